@@ -1,0 +1,57 @@
+"""Components: frozen, named bags of parameters that can be called (attacks, schemes, poses, detectors)."""
+
+from typing import Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict
+
+
+class Component(BaseModel):
+    """A frozen value whose fields are its parameters.
+
+    Every concrete component declares ``name: Literal["its-name"] = "its-name"``. The fields, with the name,
+    are its identity: the same words appear in the config, in the digest of a cell, in the row and in the
+    legend of a figure.
+
+    Attributes
+    ----------
+    version : int
+        Raised by hand when the same parameters start to give other numbers.
+    engines : tuple of str
+        Distributions (names as on PyPI) whose release may change the numbers.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    version: ClassVar[int] = 1
+    engines: ClassVar[tuple[str, ...]] = ()
+
+    def parameters(self) -> dict[str, Any]:
+        """Return the parameters without the name, as plain JSON values."""
+        dump = self.model_dump(mode="json")
+        dump.pop("name", None)
+        return dump
+
+    def identity(self) -> dict[str, Any]:
+        """Return what the numbers of this component depend on, as plain JSON values."""
+        return {**self.model_dump(mode="json"), "version": self.version}
+
+    def label(self) -> str:
+        """Return a short legend text: the name and the parameters that differ from their defaults."""
+        fields = type(self).model_fields
+        own = self.model_dump(mode="json")
+        changed = [
+            f"{key}={_short(value)}"
+            for key, value in own.items()
+            if key != "name" and getattr(self, key) != fields[key].default
+        ]
+        return " ".join([str(own.get("name", type(self).__name__)), *changed])
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, dict):
+        return str(value.get("name", value))
+    if isinstance(value, list):
+        return "×".join(_short(item) for item in value)
+    return str(value)

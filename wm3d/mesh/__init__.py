@@ -1,0 +1,1 @@
+"""Meshes: the immutable triangle mesh, its files, its moments and the registry of named data."""
