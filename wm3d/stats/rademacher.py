@@ -1,0 +1,165 @@
+"""A detector statistic as a function of the key's signs, the score of one key, and signs from a seed."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wm3d.errors import Wm3dError
+from wm3d.stats.tail import LOG10_2, FloatArray, checked_weights, log10_tail, norm
+
+DEFAULT_PF = 1e-6
+"""The false-alarm probability at which a mark counts as found, unless the caller names another."""
+
+
+@dataclass(frozen=True, eq=False)
+class RademacherSum:
+    """The statistic of a detector for ±1 keys, given the mesh under test: offset + Σ b_k w_k.
+
+    Parameters
+    ----------
+    offset : float
+        The part that does not depend on the key (Σ a_k of PAPER's log-likelihood ratio).
+    b : (n,) array_like of float
+        Weight of each key sign; zero where a coefficient is not read. Copied and made read-only.
+
+    Raises
+    ------
+    Wm3dError
+        If the offset or a weight is not finite.
+    """
+
+    offset: float
+    b: FloatArray
+
+    def __post_init__(self) -> None:
+        weights = checked_weights(self.b).copy()
+        weights.flags.writeable = False
+        object.__setattr__(self, "b", weights)
+        if not math.isfinite(self.offset):
+            raise Wm3dError(f"The offset of the statistic is {self.offset}; it must be finite.")
+
+    @cached_property
+    def scale(self) -> float:
+        """Standard deviation √(Σ b²) of the statistic over uniform keys."""
+        return norm(self.b)
+
+    @property
+    def log10_p_least(self) -> float:
+        """Log10 of the least p-value that any key can reach: one key among 2^(nonzero weights)."""
+        return -LOG10_2 * int(np.count_nonzero(self.b))
+
+    def score(self, signs: ArrayLike) -> "Score":
+        """Return the statistic of one key with its exact p-value over uniform keys.
+
+        Parameters
+        ----------
+        signs : (n,) array_like
+            The key w, each ±1.
+
+        Raises
+        ------
+        Wm3dError
+            If the signs are not as many as the weights, or not all ±1.
+        """
+        w = np.asarray(signs, dtype=np.float64)
+        if w.shape != self.b.shape:
+            raise Wm3dError(f"The key has shape {w.shape}, but the statistic reads {self.b.shape} signs.")
+        if not (np.abs(w) == 1).all():
+            raise Wm3dError("A key consists of the signs +1 and -1 only.")
+        total = float(self.b @ w)
+        z = total / self.scale if self.scale > 0 else 0.0
+        return Score(self.offset + total, z, log10_tail(self.b, z), self)
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """What a detector found for one key on one mesh.
+
+    Parameters
+    ----------
+    statistic : float
+        The detector's statistic, offset + Σ b_k w_k.
+    z : float
+        Σ b_k w_k / √(Σ b²): mean 0 and variance 1 over uniform keys.
+    log10_p : float
+        log10 of the probability that a uniform key gives this statistic or more on the same mesh.
+    null : RademacherSum
+        The statistic as a function of the key.
+    """
+
+    statistic: float
+    z: float
+    log10_p: float
+    null: RademacherSum = field(repr=False)
+
+    @property
+    def p_value(self) -> float:
+        """The p-value 10**log10_p; underflows to 0 below 10^−323."""
+        return float(10.0**self.log10_p)
+
+    def detected(self, pf: float = DEFAULT_PF) -> bool:
+        """Return whether the mark is found at the false-alarm probability `pf`, above 0 and at most 1."""
+        if not 0 < pf <= 1:
+            raise Wm3dError(f"The false-alarm probability is {pf}; it must be above 0 and at most 1.")
+        return self.log10_p <= math.log10(pf)
+
+
+def key_signs(seed: int, n: int) -> NDArray[np.int8]:
+    """Return the watermark w of a seed: n independent uniform signs.
+
+    Parameters
+    ----------
+    seed : int
+        Any non-negative integer; digests of 256 bits are welcome.
+    n : int
+        How many signs.
+
+    Returns
+    -------
+    (n,) ndarray of int8
+        +1 or -1.
+
+    Raises
+    ------
+    Wm3dError
+        If the seed or n is negative.
+
+    Notes
+    -----
+    The bits of PCG64's raw output, least significant first. NumPy guarantees that raw stream across its
+    releases; it does not guarantee the methods of `numpy.random.Generator`, and a key must outlive them.
+    A longer key starts with the shorter key of the same seed.
+    """
+    return key_signs_batch([seed], n)[0]
+
+
+def key_signs_batch(seeds: Iterable[int], n: int) -> NDArray[np.int8]:
+    """Return the watermarks of many seeds, one row each: row i equals ``key_signs(seeds[i], n)``.
+
+    Parameters
+    ----------
+    seeds : iterable of int
+        Non-negative integers.
+    n : int
+        How many signs a key has.
+
+    Returns
+    -------
+    (len(seeds), n) ndarray of int8
+        +1 or -1.
+    """
+    seeds = [int(seed) for seed in seeds]
+    if n < 0:
+        raise Wm3dError(f"The number of signs is {n}; it cannot be negative.")
+    if seeds and min(seeds) < 0:
+        raise Wm3dError(f"The seed is {min(seeds)}; a seed is a non-negative integer.")
+    words = np.empty((len(seeds), -(-n // 64)), dtype="<u8")
+    for row, seed in zip(words, seeds, strict=True):
+        row[:] = np.random.PCG64(np.random.SeedSequence(seed)).random_raw(row.size)
+    bits = np.unpackbits(words.view(np.uint8), axis=1, count=n, bitorder="little")
+    signs: NDArray[np.int8] = bits.view(np.int8) * np.int8(2) - np.int8(1)
+    return signs
