@@ -1,0 +1,33 @@
+"""Fixtures that many tests share: the bundled bunny and the real meshes of WM3D_DATA."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from wm3d.mesh import Mesh, load_mesh
+
+
+@pytest.fixture(scope="session")
+def bunny() -> Mesh:
+    """Closed bunny of the pymeshlab wheel: 28088 vertices, 56172 faces."""
+    from wm3d.mesh import datasets
+
+    return datasets.load("bunny")
+
+
+@pytest.fixture(scope="session")
+def data_mesh() -> Callable[[str], Mesh]:
+    """Loader of real meshes by file stem; the test skips where WM3D_DATA does not hold the file."""
+    folder = os.environ.get("WM3D_DATA")
+
+    def load(name: str) -> Mesh:
+        if not folder:
+            pytest.skip(f"needs the mesh {name}: WM3D_DATA is not set")
+        path = Path(folder) / f"{name}.ply"
+        if not path.is_file():
+            pytest.skip(f"needs the mesh {name}: WM3D_DATA holds no {path.name}")
+        return load_mesh(path)
+
+    return load
