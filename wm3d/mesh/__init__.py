@@ -1,6 +1,33 @@
 """Meshes: the immutable triangle mesh, its files, its moments and the registry of named data."""
 
+from wm3d.mesh.files import write_whole
 from wm3d.mesh.io import ENDINGS, load_mesh, save_mesh
 from wm3d.mesh.mesh import FloatArray, IntArray, Mesh
+from wm3d.mesh.moments import (
+    VertexMoments,
+    VolumeMoments,
+    is_closed,
+    orientation,
+    signed_volume,
+    surface_area,
+    vertex_moments,
+    volume_moments,
+)
 
-__all__ = ["ENDINGS", "FloatArray", "IntArray", "Mesh", "load_mesh", "save_mesh"]
+__all__ = [
+    "ENDINGS",
+    "FloatArray",
+    "IntArray",
+    "Mesh",
+    "VertexMoments",
+    "VolumeMoments",
+    "is_closed",
+    "load_mesh",
+    "orientation",
+    "save_mesh",
+    "signed_volume",
+    "surface_area",
+    "vertex_moments",
+    "volume_moments",
+    "write_whole",
+]

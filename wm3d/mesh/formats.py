@@ -40,7 +40,7 @@ def read_ply(content: bytes) -> Arrays:
 
 
 def read_obj(content: bytes) -> Arrays:
-    """Read the `v` and `f` lines of a Wavefront OBJ file; polygons become fans, relative indices are resolved."""
+    """Read the `v` and `f` lines of Wavefront OBJ; polygons become fans, relative indices are resolved."""
     vertices: list[list[bytes]] = []
     faces: list[tuple[int, int, int]] = []
     text = content.removeprefix(codecs.BOM_UTF8).replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
@@ -165,7 +165,7 @@ def _export(mesh: Mesh, file_type: str, **options: object) -> bytes:
 
 
 def _decimals(mesh: Mesh) -> int:
-    """Digits behind the point that give 17 significant ones to the smallest coordinate: float64 round-trips."""
+    """Digits behind the point that leave 17 significant ones to the smallest coordinate."""
     sizes = np.abs(mesh.vertices[mesh.vertices != 0])
     return max(0, 16 - int(np.floor(np.log10(sizes.min()))))
 

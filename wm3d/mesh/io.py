@@ -1,4 +1,4 @@
-"""Reading and writing mesh files: `load_mesh` and `save_mesh`, which keep every vertex and face in its place."""
+"""Mesh files: `load_mesh` and `save_mesh`, which keep every vertex and face in its place."""
 
 import logging
 import os
@@ -107,9 +107,8 @@ def _parsed(path: str | os.PathLike[str], ending: str) -> Arrays:
             return READERS[ending](content)
     except Exception as error:  # damaged bytes make parsers fail in every way there is
         detail = f" ({error})" if isinstance(error, ValueError) else ""
-        raise Wm3dError(
-            f"{path}: cannot be read as {ending[1:].upper()}; it is damaged, cut short or of another format{detail}."
-        ) from error
+        what = f"cannot be read as {ending[1:].upper()}"
+        raise Wm3dError(f"{path}: {what}; it is damaged, cut short or of another format{detail}.") from error
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +11,9 @@ from wm3d.errors import Wm3dError
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+#: Largest coordinate, and one over the least extent: their fifth powers, as in volume moments, stay finite.
+LARGEST = 1e50
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +32,8 @@ class Mesh:
     Raises
     ------
     Wm3dError
-        If there are no faces, a coordinate is NaN or infinite, a face names a vertex that does not exist,
-        or the faces in use have no extent.
+        If there are no faces, a coordinate is NaN, infinite or beyond `LARGEST`, a face names a vertex that
+        does not exist, or all vertices lie in one point.
 
     Notes
     -----
@@ -41,8 +45,8 @@ class Mesh:
     name: str = "mesh"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices", _frozen(self.vertices, np.float64, self.name, "vertices"))
-        object.__setattr__(self, "faces", _frozen(self.faces, np.int64, self.name, "faces"))
+        object.__setattr__(self, "vertices", _frozen_vertices(self.vertices, self.name))
+        object.__setattr__(self, "faces", _frozen_faces(self.faces, self.name))
         self._check_vertices()
         self._check_faces()
 
@@ -50,7 +54,12 @@ class Mesh:
         if not np.isfinite(self.vertices).all():
             bad = int(np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))[0])
             raise Wm3dError(f"{self.name}: vertex {bad} has a coordinate that is NaN or infinite.")
-        if self.vertices.size and not np.ptp(self.vertices, axis=0).any():
+        if self.vertices.size == 0:
+            return
+        largest, extent = np.abs(self.vertices).max(), np.ptp(self.vertices, axis=0).max()
+        if largest > LARGEST:
+            raise Wm3dError(f"{self.name}: a coordinate is {largest:g}; rescale it to below {LARGEST:g}.")
+        if extent < 1 / LARGEST:
             raise Wm3dError(f"{self.name}: all vertices lie in one point, so the mesh has no extent.")
 
     def _check_faces(self) -> None:
@@ -59,9 +68,8 @@ class Mesh:
         low, high = int(self.faces.min()), int(self.faces.max())
         if low < 0 or high >= len(self.vertices):
             missing = low if low < 0 else high
-            raise Wm3dError(
-                f"{self.name}: a face names vertex {missing}, but the vertices are 0 to {len(self.vertices) - 1}."
-            )
+            last = len(self.vertices) - 1
+            raise Wm3dError(f"{self.name}: a face names vertex {missing}, but the vertices are 0 to {last}.")
 
     def with_vertices(self, vertices: ArrayLike) -> "Mesh":
         """Return the same faces over other vertices.
@@ -71,7 +79,7 @@ class Mesh:
         vertices : (n, 3) array_like of float
             New coordinates, one row for each vertex of this mesh.
         """
-        moved = _frozen(vertices, np.float64, self.name, "vertices")
+        moved = _frozen_vertices(vertices, self.name)
         if moved.shape != self.vertices.shape:
             raise Wm3dError(f"{self.name}: expected {self.vertices.shape} vertices, got {moved.shape}.")
         mesh = object.__new__(Mesh)  # the faces were checked once
@@ -93,10 +101,27 @@ class Mesh:
         return content.hexdigest()
 
 
-def _frozen(values: ArrayLike, dtype: type, name: str, what: str) -> NDArray:  # type: ignore[type-arg]
-    source = np.asarray(values)
-    if source.ndim != 2 or source.shape[1] != 3:
-        raise Wm3dError(f"{name}: {what} must be an (n, 3) array, got shape {source.shape}.")
-    array = np.array(source, dtype=dtype, order="C")
-    array.flags.writeable = False
-    return array
+def _frozen_vertices(values: ArrayLike, name: str) -> FloatArray:
+    vertices = np.array(_rows(values, name, "vertices"), dtype=np.float64, order="C")
+    vertices.flags.writeable = False
+    return vertices
+
+
+def _frozen_faces(values: ArrayLike, name: str) -> IntArray:
+    rows = _rows(values, name, "faces")
+    with np.errstate(invalid="ignore"):
+        faces = np.array(rows, dtype=np.int64, order="C")
+    if not np.array_equal(faces, rows):
+        raise Wm3dError(f"{name}: faces must hold whole numbers, the indices of vertices.")
+    faces.flags.writeable = False
+    return faces
+
+
+def _rows(values: ArrayLike, name: str, what: str) -> NDArray[Any]:
+    try:
+        rows = np.asarray(values)
+    except ValueError as error:  # rows of different lengths
+        raise Wm3dError(f"{name}: {what} must be an (n, 3) array of numbers.") from error
+    if rows.ndim != 2 or rows.shape[1] != 3 or rows.dtype.kind not in "iuf":
+        raise Wm3dError(f"{name}: {what} must be an (n, 3) array of numbers, got {rows.dtype} {rows.shape}.")
+    return rows

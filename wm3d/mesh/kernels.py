@@ -1,0 +1,114 @@
+"""Numba kernels of the mesh moments: one pass, one thread, sums in file order.
+
+The order of the sums is fixed, so a result depends neither on a thread count nor on a BLAS build. Coordinates
+are taken relative to a reference point near the mesh, which keeps the sums exact far from the origin.
+"""
+
+import numpy as np
+from numba import njit
+
+from wm3d.mesh.mesh import FloatArray, IntArray
+
+Vector = tuple[float, float, float]
+
+
+@njit(cache=True)
+def vertex_mean(vertices: FloatArray) -> FloatArray:
+    """Mean (3,) of the rows of (n, 3) vertices, summed relative to the first row."""
+    x0, y0, z0 = vertices[0, 0], vertices[0, 1], vertices[0, 2]
+    sx = sy = sz = 0.0
+    for i in range(vertices.shape[0]):
+        sx += vertices[i, 0] - x0
+        sy += vertices[i, 1] - y0
+        sz += vertices[i, 2] - z0
+    n = vertices.shape[0]
+    return np.array([x0 + sx / n, y0 + sy / n, z0 + sz / n])
+
+
+@njit(cache=True)
+def vertex_covariance(vertices: FloatArray, mean: FloatArray) -> FloatArray:
+    """Second moments (3, 3) of (n, 3) vertices about `mean`, over n."""
+    xx = xy = xz = yy = yz = zz = 0.0
+    for i in range(vertices.shape[0]):
+        x, y, z = _relative(vertices, i, mean)
+        xx += x * x
+        xy += x * y
+        xz += x * z
+        yy += y * y
+        yz += y * z
+        zz += z * z
+    covariance: FloatArray = _symmetric(xx, xy, xz, yy, yz, zz) / vertices.shape[0]
+    return covariance
+
+
+@njit(cache=True)
+def signed_volume(vertices: FloatArray, faces: IntArray, apex: FloatArray) -> float:
+    """Sum over the faces of the signed volume of the tetrahedron (apex, a, b, c)."""
+    total = 0.0
+    for f in range(faces.shape[0]):
+        a = _relative(vertices, faces[f, 0], apex)
+        b = _relative(vertices, faces[f, 1], apex)
+        c = _relative(vertices, faces[f, 2], apex)
+        total += _determinant(a, b, c)
+    return total / 6.0
+
+
+@njit(cache=True)
+def surface_area(vertices: FloatArray, faces: IntArray) -> float:
+    """Sum of the triangle areas."""
+    total = 0.0
+    for f in range(faces.shape[0]):
+        corner = vertices[faces[f, 0]]
+        ux, uy, uz = _relative(vertices, faces[f, 1], corner)
+        wx, wy, wz = _relative(vertices, faces[f, 2], corner)
+        nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
+        total += np.sqrt(nx * nx + ny * ny + nz * nz)
+    return total / 2.0
+
+
+@njit(cache=True)
+def volume_integrals(
+    vertices: FloatArray, faces: IntArray, apex: FloatArray
+) -> tuple[float, FloatArray, FloatArray]:
+    """Integrals of 1, x (3,) and x xᵀ (3, 3) over the signed tetrahedra (apex, a, b, c), x relative to apex.
+
+    With s = a + b + c and d = det[a b c]: ∫1 = d/6, ∫x = d s/24, ∫x xᵀ = d (s sᵀ + a aᵀ + b bᵀ + c cᵀ)/120.
+    """
+    volume = sx = sy = sz = 0.0
+    xx = xy = xz = yy = yz = zz = 0.0
+    for f in range(faces.shape[0]):
+        a = _relative(vertices, faces[f, 0], apex)
+        b = _relative(vertices, faces[f, 1], apex)
+        c = _relative(vertices, faces[f, 2], apex)
+        d = _determinant(a, b, c)
+        x, y, z = a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]
+        volume += d
+        sx += d * x
+        sy += d * y
+        sz += d * z
+        xx += d * (x * x + a[0] * a[0] + b[0] * b[0] + c[0] * c[0])
+        xy += d * (x * y + a[0] * a[1] + b[0] * b[1] + c[0] * c[1])
+        xz += d * (x * z + a[0] * a[2] + b[0] * b[2] + c[0] * c[2])
+        yy += d * (y * y + a[1] * a[1] + b[1] * b[1] + c[1] * c[1])
+        yz += d * (y * z + a[1] * a[2] + b[1] * b[2] + c[1] * c[2])
+        zz += d * (z * z + a[2] * a[2] + b[2] * b[2] + c[2] * c[2])
+    return volume / 6.0, np.array([sx, sy, sz]) / 24.0, _symmetric(xx, xy, xz, yy, yz, zz) / 120.0
+
+
+@njit(cache=True)
+def _relative(vertices: FloatArray, index: int, origin: FloatArray) -> Vector:
+    i = np.uintp(index)  # unsigned: numba then omits the test for negative indices, which Mesh has done
+    return vertices[i, 0] - origin[0], vertices[i, 1] - origin[1], vertices[i, 2] - origin[2]
+
+
+@njit(cache=True)
+def _determinant(a: Vector, b: Vector, c: Vector) -> float:
+    ax, ay, az = a
+    bx, by, bz = b
+    cx, cy, cz = c
+    return ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+
+
+@njit(cache=True)
+def _symmetric(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> FloatArray:
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -1,0 +1,103 @@
+"""Moments of a mesh: vertex mean and covariance, area, signed volume and its moments, orientation."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wm3d.errors import Wm3dError
+from wm3d.mesh import kernels
+from wm3d.mesh.mesh import FloatArray, Mesh
+
+
+class VertexMoments(NamedTuple):
+    """Mean m (3,) and centered second moments over n, C_v (3, 3), of the vertices; symmetric."""
+
+    mean: FloatArray
+    covariance: FloatArray
+
+
+class VolumeMoments(NamedTuple):
+    """Signed volume, centroid (3,) and covariance (3, 3) of the solid that a surface bounds."""
+
+    volume: float
+    centroid: FloatArray
+    covariance: FloatArray
+
+
+def vertex_moments(mesh: Mesh) -> VertexMoments:
+    """Return mean and covariance of all vertices, used or not, as in section II-A of the paper.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any mesh.
+
+    Returns
+    -------
+    VertexMoments
+        `mean` in the unit of the mesh, `covariance` in its square, divided by n.
+    """
+    mean = kernels.vertex_mean(mesh.vertices)
+    return VertexMoments(mean, kernels.vertex_covariance(mesh.vertices, mean))
+
+
+def surface_area(mesh: Mesh) -> float:
+    """Return the summed area of all faces, in squared units."""
+    return float(kernels.surface_area(mesh.vertices, mesh.faces))
+
+
+def signed_volume(mesh: Mesh) -> float:
+    """Return the summed signed volumes of the tetrahedra from the vertex mean to each face.
+
+    For a closed mesh this is the enclosed volume, positive when the faces are counter-clockwise seen from
+    outside. For an open mesh it is the volume closed by cones from the vertex mean to the holes, so it turns
+    and shifts with the mesh.
+    """
+    return float(kernels.signed_volume(mesh.vertices, mesh.faces, kernels.vertex_mean(mesh.vertices)))
+
+
+def orientation(mesh: Mesh) -> int:
+    """Return -1 when the faces are wound inwards, that is when `signed_volume` is negative, else +1.
+
+    The rule needs no closed mesh: a few holes take away only the cones over them.
+    """
+    return -1 if signed_volume(mesh) < 0 else 1
+
+
+def is_closed(mesh: Mesh) -> bool:
+    """Tell whether every directed edge occurs once and has exactly one opposite."""
+    faces = mesh.faces
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    n = len(mesh.vertices)
+    edges, opposites = np.sort(start * n + end), np.sort(end * n + start)
+    return bool(np.array_equal(edges, opposites) and (np.diff(edges) > 0).all())
+
+
+def volume_moments(mesh: Mesh) -> VolumeMoments:
+    """Return volume, centroid and covariance of the enclosed solid of unit density.
+
+    The integrals run over signed tetrahedra with their apex in the vertex mean. Centroid and covariance are
+    the same for either winding; holes are closed as in `signed_volume`.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Closed, or nearly so.
+
+    Returns
+    -------
+    VolumeMoments
+        `volume` in cubed units, `centroid` (3,) in units, `covariance` (3, 3) in squared units.
+
+    Raises
+    ------
+    Wm3dError
+        If the faces enclose no volume, as those of a flat sheet.
+    """
+    apex = kernels.vertex_mean(mesh.vertices)
+    volume, first, second = kernels.volume_integrals(mesh.vertices, mesh.faces, apex)
+    if abs(volume) <= 1e-12 * mesh.diagonal**3:
+        raise Wm3dError(f"{mesh.name}: its faces enclose no volume, which volume moments need.")
+    offset = first / volume
+    covariance = second / volume - offset[:, None] * offset
+    return VolumeMoments(float(volume), apex + offset, covariance)
