@@ -134,7 +134,8 @@ def key_signs(seed: int, n: int) -> NDArray[np.int8]:
     releases; it does not guarantee the methods of `numpy.random.Generator`, and a key must outlive them.
     A longer key starts with the shorter key of the same seed.
     """
-    return key_signs_batch([seed], n)[0]
+    signs: NDArray[np.int8] = key_signs_batch([seed], n)[0]
+    return signs
 
 
 def key_signs_batch(seeds: Iterable[int], n: int) -> NDArray[np.int8]:
@@ -161,5 +162,5 @@ def key_signs_batch(seeds: Iterable[int], n: int) -> NDArray[np.int8]:
     for row, seed in zip(words, seeds, strict=True):
         row[:] = np.random.PCG64(np.random.SeedSequence(seed)).random_raw(row.size)
     bits = np.unpackbits(words.view(np.uint8), axis=1, count=n, bitorder="little")
-    signs: NDArray[np.int8] = bits.view(np.int8) * np.int8(2) - np.int8(1)
+    signs: NDArray[np.int8] = np.where(bits, np.int8(1), np.int8(-1))
     return signs
