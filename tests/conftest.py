@@ -6,14 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from wm3d.mesh import Mesh, load_mesh
+from wm3d.mesh import Mesh, datasets, load_mesh
 
 
 @pytest.fixture(scope="session")
 def bunny() -> Mesh:
     """Closed bunny of the pymeshlab wheel: 28088 vertices, 56172 faces."""
-    from wm3d.mesh import datasets
-
     return datasets.load("bunny")
 
 

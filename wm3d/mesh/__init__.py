@@ -1,5 +1,6 @@
 """Meshes: the immutable triangle mesh, its files, its moments and the registry of named data."""
 
+from wm3d.mesh import datasets
 from wm3d.mesh.files import write_whole
 from wm3d.mesh.io import ENDINGS, load_mesh, save_mesh
 from wm3d.mesh.mesh import FloatArray, IntArray, Mesh
@@ -21,6 +22,7 @@ __all__ = [
     "Mesh",
     "VertexMoments",
     "VolumeMoments",
+    "datasets",
     "is_closed",
     "load_mesh",
     "orientation",
