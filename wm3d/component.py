@@ -16,14 +16,16 @@ class Component(BaseModel):
     ----------
     version : int
         Raised by hand when the same parameters start to give other numbers.
-    engines : tuple of str
-        Distributions (names as on PyPI) whose release may change the numbers.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     version: ClassVar[int] = 1
-    engines: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def engines(self) -> tuple[str, ...]:
+        """Distributions, named as on PyPI, whose release may change the numbers of this component."""
+        return ()
 
     def parameters(self) -> dict[str, Any]:
         """Return the parameters without the name, as plain JSON values."""

@@ -1,1 +1,1 @@
-"""…"""
+"""The experiment harness: config, plan, run, store, tables, figures."""

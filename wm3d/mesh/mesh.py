@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wm3d.arrays import FloatArray as FloatArray
+from wm3d.arrays import IntArray as IntArray
 from wm3d.errors import Wm3dError
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Largest coordinate, and one over the least extent: their fifth powers, as in volume moments, stay finite.
 LARGEST = 1e50

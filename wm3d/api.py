@@ -1,0 +1,71 @@
+"""The verbs of the Python interface: embed and detect."""
+
+from typing import Any
+
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh
+from wm3d.schemes import SCHEMES, Key, Scheme
+from wm3d.stats import Score
+
+DEFAULT_SCHEME = "song2002"
+
+
+def embed(
+    mesh: Mesh,
+    *,
+    seed: int,
+    scheme: str | Scheme = DEFAULT_SCHEME,
+    snr: float | None = None,
+    **parameters: Any,
+) -> tuple[Mesh, Key]:
+    """Mark a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    seed : int
+        The secret; 0 ≤ seed < 2^256.
+    scheme : str or Scheme
+        A scheme, or its name with `parameters`.
+    snr : float, optional
+        Wanted signal-to-noise ratio in dB (eq. 13); the strength of the scheme follows from it.
+    **parameters
+        Parameters of the scheme, for example ``alpha=0.9, grid=(84, 120)``.
+
+    Returns
+    -------
+    marked : Mesh
+        Same faces, moved vertices.
+    key : Key
+        What `detect` needs.
+
+    Raises
+    ------
+    Wm3dError
+        If a parameter is wrong or the mesh cannot carry the mark.
+    """
+    if isinstance(scheme, Scheme):
+        if parameters:
+            raise Wm3dError(
+                f"parameters {sorted(parameters)} go with the name of a scheme, not with a scheme."
+            )
+        chosen = scheme
+    else:
+        chosen = SCHEMES.build(scheme, parameters)
+    if not 0 <= seed < 1 << 256:
+        raise Wm3dError(f"the seed is {seed}; it must lie between 0 and 2^256 − 1.")
+    if snr is not None:
+        chosen = chosen.at_snr(mesh, seed, snr)
+    marked, chosen = chosen.embed(mesh, seed)
+    return marked, Key(chosen, seed)
+
+
+def detect(mesh: Mesh, key: Key) -> Score:
+    """Look for a key in a mesh, without the original mesh.
+
+    Returns
+    -------
+    Score
+        With ``statistic``, ``z``, ``log10_p``, ``p_value`` and ``detected(pf)``.
+    """
+    return key.score(mesh)

@@ -1,0 +1,55 @@
+"""Vertex clustering on a cubic grid (Rossignac & Borrel 1993), stopped at a wanted number of faces."""
+
+import numpy as np
+
+from wm3d.arrays import FloatArray, IntArray
+
+STEPS = 24
+"""Bisection steps for the cell size: enough to separate any two sizes that give different meshes."""
+
+
+def cluster_to(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
+    """Return the clustered mesh whose face count comes nearest to `target`.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray
+    faces : (m, 3) ndarray
+    target : int
+        Wanted number of faces; the count achieved differs, for a grid does not allow every count.
+    """
+    finest, coarsest = 0.0, float(np.ptp(vertices, axis=0).max())
+    best, best_miss = (vertices, faces), abs(len(faces) - target)
+    for _ in range(STEPS):
+        size = 0.5 * (finest + coarsest)
+        result = cluster(vertices, faces, size)
+        count = len(result[1])
+        if abs(count - target) < best_miss and count > 0:
+            best, best_miss = result, abs(count - target)
+        if count == target:
+            break
+        finest, coarsest = (finest, size) if count < target else (size, coarsest)
+    return best
+
+
+def cluster(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
+    """Merge the vertices in each cubic cell of edge `size` into their mean.
+
+    Faces that collapse are dropped, and so are repeated faces and vertices that no face names.
+    """
+    cells = np.floor((vertices - vertices.min(axis=0)) / size).astype(np.int64)
+    extent = cells.max(axis=0) + 1
+    code = (cells[:, 0] * extent[1] + cells[:, 1]) * extent[2] + cells[:, 2]
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    _, inverse = np.unique(code[used], return_inverse=True)
+    cluster_of = np.full(len(vertices), -1)
+    cluster_of[used] = inverse
+    count = np.bincount(inverse)
+    means = np.column_stack([np.bincount(inverse, vertices[used, k]) / count for k in range(3)])
+    merged = cluster_of[faces]
+    a, b, c = merged.T
+    merged = merged[(a != b) & (b != c) & (c != a)]
+    _, first = np.unique(np.sort(merged, axis=1), axis=0, return_index=True)
+    kept, renumbered = np.unique(merged[np.sort(first)], return_inverse=True)
+    return means[kept], renumbered.reshape(-1, 3)

@@ -1,0 +1,28 @@
+"""Signal-to-noise ratio between two meshes with the same vertices (eq. 13 of the paper)."""
+
+import math
+
+import numpy as np
+
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh
+
+
+def snr(original: Mesh, marked: Mesh) -> float:
+    """Return 10 log10(var{v − m} / var{v' − v}) in dB, variances summed over x, y, z (eq. 13).
+
+    Infinite if no vertex moved.
+
+    Raises
+    ------
+    Wm3dError
+        If the meshes do not have the same number of vertices.
+    """
+    if original.vertices.shape != marked.vertices.shape:
+        raise Wm3dError(
+            f"SNR compares vertex by vertex, but {original.name} has {len(original.vertices)} vertices and "
+            f"{marked.name} has {len(marked.vertices)}."
+        )
+    signal = float(np.var(original.vertices, axis=0).sum())
+    noise = float(np.var(marked.vertices - original.vertices, axis=0).sum())
+    return math.inf if noise == 0 else 10 * math.log10(signal / noise)

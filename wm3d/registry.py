@@ -1,0 +1,103 @@
+"""Registries: components by name, the built-in ones and those that installed packages add by entry points."""
+
+import difflib
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from importlib.metadata import entry_points
+from typing import Any, Generic, TypeVar
+
+from pydantic import ValidationError
+
+from wm3d.component import Component
+from wm3d.errors import Wm3dError
+
+T = TypeVar("T", bound=Component)
+
+
+class Registry(Mapping[str, type[T]], Generic[T]):
+    """Component classes by the name that configs, keys and the command line use.
+
+    Parameters
+    ----------
+    kind : str
+        What the components are, in the singular, for messages: "attack".
+    base : type
+        The class that every component must derive from.
+    builtin : type
+        The components of wm3d itself.
+
+    Notes
+    -----
+    A package adds its own by the entry point group ``wm3d.attacks`` or ``wm3d.schemes`` (the kind and an s);
+    entry points are read when the registry is first used.
+    """
+
+    def __init__(self, kind: str, base: type[T], *builtin: type[T]) -> None:
+        self.kind, self._base, self._builtin = kind, base, builtin
+
+    @cached_property
+    def _classes(self) -> dict[str, type[T]]:
+        classes = {component_name(cls): cls for cls in self._builtin}
+        for point in sorted(entry_points(group=f"wm3d.{self.kind}s"), key=lambda point: point.name):
+            cls = point.load()
+            if not (isinstance(cls, type) and issubclass(cls, self._base)):
+                raise Wm3dError(
+                    f"the entry point {point.value} is not a {self.kind}: it must derive from "
+                    f"{self._base.__module__}.{self._base.__name__}."
+                )
+            if classes.setdefault(component_name(cls), cls) is not cls:
+                raise Wm3dError(
+                    f"the {self.kind} name {component_name(cls)!r} is taken; {point.value} must use another."
+                )
+        return classes
+
+    def __getitem__(self, name: str) -> type[T]:
+        if name not in self._classes:
+            near = difflib.get_close_matches(name, self._classes, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(self._classes)}."
+            raise Wm3dError(f"unknown {self.kind} {name!r}; {hint}")
+        return self._classes[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._classes
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._classes)
+
+    def __len__(self) -> int:
+        return len(self._classes)
+
+    def build(self, name: str, parameters: Mapping[str, Any]) -> T:
+        """Return a component from its name and parameters.
+
+        Raises
+        ------
+        Wm3dError
+            If the name is unknown or a parameter is; all wrong parameters are named in one sentence.
+        """
+        cls = self[name]
+        try:
+            return cls.model_validate({**parameters, "name": name})
+        except ValidationError as error:
+            raise Wm3dError(f"{self.kind} {name}: {describe(error, cls)}.") from None
+
+
+def component_name(cls: type[Component]) -> str:
+    """Return the name under which a component class is known: the default of its field `name`."""
+    return str(cls.model_fields["name"].default)
+
+
+def describe(error: ValidationError, cls: type[Component]) -> str:
+    """Put all faults of a validation into one clause: parameter, value, what is wanted, "did you mean"."""
+    return "; ".join(dict.fromkeys(_describe_one(fault, cls) for fault in error.errors()))
+
+
+def _describe_one(fault: Any, cls: type[Component]) -> str:
+    path = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden":
+        near = difflib.get_close_matches(path, cls.model_fields, n=1)
+        known = ", ".join(field for field in cls.model_fields if field != "name") or "none"
+        return f"unknown parameter {path!r}, " + (f"did you mean {near[0]!r}?" if near else f"known: {known}")
+    message = fault["msg"].removeprefix("Value error, ")
+    message = message[:1].lower() + message[1:]
+    return f"{path} = {fault['input']!r}: {message}" if path else message

@@ -1,0 +1,65 @@
+"""Poses: how a mesh fixes its own reference frame and scanning cylinder, whatever its position and size."""
+
+from typing import Literal
+
+import numpy as np
+
+from wm3d.arrays import FloatArray
+from wm3d.component import Component
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh, vertex_moments
+from wm3d.scanner import kernels
+from wm3d.scanner.cylinder import Cylinder
+
+DEGENERACY = 1e-6
+"""Least gap between principal moments, relative to the largest, below which the axes count as undefined."""
+
+SYMMETRY = 1e-9
+"""Least relative difference of D_A and D_B (eq. 3) below which the sign of an axis counts as undefined."""
+
+
+class VertexPca(Component):
+    """The paper's pose: principal axes of the vertices, signed by the larger spread (eqs. 1–3)."""
+
+    name: Literal["vertex-pca"] = "vertex-pca"
+
+    def __call__(self, mesh: Mesh) -> Cylinder:
+        """Return the tight cylinder around the mesh.
+
+        Raises
+        ------
+        Wm3dError
+            If two principal moments are equal (a sphere, a cube, a regular prism), the mesh is mirror
+            symmetric along s1 or s2, or it lies on a straight line: then no rotation-proof frame exists.
+        """
+        mean, covariance = vertex_moments(mesh)
+        axes = _principal_axes(covariance, mesh.name)
+        spread = kernels.spread_by_side(mesh.vertices, mean, axes)
+        for axis in range(2):
+            axes[axis] *= _sign(*spread[axis], axis=axis, name=mesh.name)
+        axes[2] = np.cross(axes[1], axes[0])
+        hmin, hmax, radius = kernels.extent(mesh.vertices, mean, axes)
+        return Cylinder(mean, axes, radius, hmin, hmax)
+
+
+def _principal_axes(covariance: FloatArray, name: str) -> FloatArray:
+    """Eigenvectors as rows, by falling eigenvalue."""
+    moments, vectors = np.linalg.eigh(covariance)
+    moments, vectors = moments[::-1], vectors[:, ::-1]
+    gaps = (moments[:-1] - moments[1:]) / moments[0]
+    if gaps.min() < DEGENERACY:
+        raise Wm3dError(
+            f"{name}: two principal moments of the vertices are equal (relative gap {gaps.min():.1e}), so "
+            "the mesh has no unique axes; a sphere or a regular prism cannot carry this watermark."
+        )
+    return np.ascontiguousarray(vectors.T)
+
+
+def _sign(above: float, below: float, *, axis: int, name: str) -> float:
+    """Sign of s1 or s2 from the mean squared distances D² on either side of the mean (eq. 3)."""
+    if abs(above - below) <= SYMMETRY * max(above, below):
+        raise Wm3dError(
+            f"{name}: is symmetric along its principal axis s{axis + 1}, so the direction of that axis is "
+            "undefined; such a mesh cannot carry this watermark."
+        )
+    return 1.0 if above > below else -1.0

@@ -1,0 +1,77 @@
+"""The key of a marked mesh: everything that detection needs, and never the original mesh."""
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh, write_whole
+from wm3d.schemes.base import Scheme
+from wm3d.schemes.registry import SCHEMES
+from wm3d.stats import Score
+
+FORMAT = "wm3d-key-1"
+
+
+@dataclass(frozen=True)
+class Key:
+    """A secret seed and the scheme, with its parameters, that it was embedded with.
+
+    Attributes
+    ----------
+    scheme : Scheme
+        For `song2002` this includes the grid and the corners of the region, the paper's second key.
+    seed : int
+        Non-negative; 256 bits at most.
+    """
+
+    scheme: Scheme
+    seed: int
+
+    def score(self, mesh: Mesh) -> Score:
+        """Look for this key in a mesh."""
+        return self.scheme.score(mesh, self.seed)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the key as JSON.
+
+        Raises
+        ------
+        Wm3dError
+            If the file cannot be written.
+        """
+        content = {"format": FORMAT, "seed": self.seed, "scheme": self.scheme.model_dump(mode="json")}
+        write_whole(path, (json.dumps(content, indent=2) + "\n").encode())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> "Key":
+        """Read a key that `save` wrote.
+
+        Raises
+        ------
+        Wm3dError
+            If the file cannot be read, is not a key, or its region does not fit its grid.
+        """
+        try:
+            content = json.loads(Path(path).read_bytes())
+        except OSError as error:
+            raise Wm3dError(f"{path}: cannot be read ({error.strerror}).") from None
+        except ValueError:
+            raise Wm3dError(f"{path}: is not a key file: it holds no JSON.") from None
+        try:
+            return cls._from_json(content)
+        except Wm3dError as error:
+            raise Wm3dError(f"{path}: {error}") from None
+
+    @classmethod
+    def _from_json(cls, content: Any) -> "Key":
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            raise Wm3dError(f'is not a key file: "format" must be "{FORMAT}".')
+        scheme, seed = content.get("scheme"), content.get("seed")
+        if not isinstance(scheme, dict) or not isinstance(scheme.get("name"), str):
+            raise Wm3dError('is not a complete key: "scheme" must hold the name and parameters of a scheme.')
+        if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < 1 << 256:
+            raise Wm3dError(f'is not a complete key: "seed" is {seed!r}, not an integer from 0 to 2^256 − 1.')
+        return cls(SCHEMES.build(scheme["name"], scheme), seed)
