@@ -26,8 +26,13 @@ FLOAT32_TOLERANCE = 1e-5
 
 
 def read_ply(content: bytes) -> Arrays:
-    """Read PLY, ASCII or binary, with triangles or polygons."""
-    loaded = load_ply(io.BytesIO(content), fix_texture=False, skip_materials=True)
+    """Read PLY, ASCII or binary, with triangles or polygons; in binary PLY all faces must have one size."""
+    try:
+        loaded = load_ply(io.BytesIO(content), fix_texture=False, skip_materials=True)
+    except ValueError as error:
+        if "unexpected length" in str(error):
+            raise ValueError("its length does not fit its header, or its faces differ in size") from error
+        raise
     vertices = np.asarray(loaded.get("vertices", np.empty((0, 3))), dtype=np.float64)
     faces = loaded.get("faces")
     faces = np.empty((0, 3), np.int64) if faces is None else _triangles(faces)
@@ -97,7 +102,7 @@ def read_stl(content: bytes) -> Arrays:
 
 
 def read_glb(content: bytes) -> Arrays:
-    """Read binary glTF 2: every triangle mesh of the scene, moved by its node, one behind the other."""
+    """Read binary glTF 2: the triangle meshes of its scene, moved by their nodes, as trimesh walks them."""
     if b"KHR_draco_mesh_compression" in content or b"EXT_meshopt_compression" in content:
         raise ValueError("its geometry is compressed, which wm3d does not decode")
     scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False, skip_materials=True)

