@@ -6,13 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from wm3d.mesh import Mesh, datasets, load_mesh
+from wm3d.mesh import Mesh, load_mesh
+from wm3d.mesh.catalog import DATASETS
 
 
 @pytest.fixture(scope="session")
 def bunny() -> Mesh:
     """Closed bunny of the pymeshlab wheel: 28088 vertices, 56172 faces."""
-    return datasets.load("bunny")
+    # not by datasets.load: a bunny in WM3D_DATA would win
+    return load_mesh(DATASETS["bunny"].source.path(), name="bunny")
 
 
 @pytest.fixture(scope="session")

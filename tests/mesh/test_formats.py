@@ -7,7 +7,8 @@ import pytest
 import trimesh
 from shapes import box
 
-from wm3d.mesh import Mesh, datasets, load_mesh, signed_volume
+from wm3d.mesh import Mesh, load_mesh, signed_volume
+from wm3d.mesh.catalog import DATASETS
 
 SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
 HALVES = [[0, 1, 2], [0, 2, 3]]
@@ -44,7 +45,7 @@ def test_obj_dialects(tmp_path, text):
 
 def test_obj_of_the_wheel_is_read_as_trimesh_reads_it(bunny):
     # without textures and materials, the case in which trimesh keeps the order
-    other = trimesh.load(datasets.path("bunny"), process=False, maintain_order=True)
+    other = trimesh.load(DATASETS["bunny"].source.path(), process=False, maintain_order=True)
     assert np.array_equal(bunny.vertices, other.vertices)
     assert np.array_equal(bunny.faces, other.faces)
 
