@@ -61,9 +61,7 @@ def test_missing_data_folder_is_named(tmp_path, monkeypatch):
 
 def test_path_uses_no_network_and_says_how_to_get_the_file(cache):
     for use in (datasets.path, datasets.load):
-        with pytest.raises(
-            Wm3dError, match="not on this machine; run `wm3d data fetch dragon`, or put"
-        ):
+        with pytest.raises(Wm3dError, match="not on this machine; run `wm3d data fetch dragon`, or put"):
             use("dragon")
     with pytest.raises(Wm3dError, match="run `wm3d data fetch happy-buddha-300k`"):
         datasets.path("happy-buddha-300k")

@@ -75,5 +75,9 @@ def test_with_vertices_keeps_faces_and_name_and_checks_the_coordinates():
         mesh.with_vertices(np.full((8, 3), np.nan))
 
 
+def test_repr_is_short():
+    assert repr(box()) == "Mesh('box', 8 vertices, 12 faces)"
+
+
 def test_diagonal_of_a_box_is_pythagoras():
     assert box((1, 2, 2)).diagonal == 3

@@ -175,7 +175,7 @@ def _data_files() -> dict[str, Path]:
     if not Path(folder).is_dir():
         raise Wm3dError(f"WM3D_DATA: {folder} is not a folder; correct or unset the environment variable.")
     files = [file for file in Path(folder).iterdir() if file.suffix.lower() in ENDINGS and file.is_file()]
-    files.sort(key=lambda file: ENDINGS.index(file.suffix.lower()), reverse=True)
+    files.sort(key=lambda file: (ENDINGS.index(file.suffix.lower()), file.name), reverse=True)
     return {file.stem: file for file in files}
 
 

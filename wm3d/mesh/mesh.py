@@ -15,7 +15,7 @@ from wm3d.errors import Wm3dError
 LARGEST = 1e50
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
     """An immutable triangle mesh.
 
@@ -48,6 +48,9 @@ class Mesh:
         object.__setattr__(self, "faces", _frozen_faces(self.faces, self.name))
         self._check_vertices()
         self._check_faces()
+
+    def __repr__(self) -> str:
+        return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
 
     def _check_vertices(self) -> None:
         if not np.isfinite(self.vertices).all():
