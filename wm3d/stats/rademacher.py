@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wm3d.errors import Wm3dError
-from wm3d.stats.tail import LOG10_2, FloatArray, checked_weights, log10_tail, norm
+from wm3d.stats.tail import log10_tail
+from wm3d.stats.weights import FloatArray, checked_weights, norm
 
 DEFAULT_PF = 1e-6
 """The false-alarm probability at which a mark counts as found, unless the caller names another."""
@@ -47,10 +48,11 @@ class RademacherSum:
         """Standard deviation √(Σ b²) of the statistic over uniform keys."""
         return norm(self.b)
 
-    @property
+    @cached_property
     def log10_p_least(self) -> float:
         """Log10 of the least p-value that any key can reach: one key among 2^(nonzero weights)."""
-        return -LOG10_2 * int(np.count_nonzero(self.b))
+        reach = float(np.abs(self.b).sum())
+        return log10_tail(self.b, reach / self.scale) if self.scale > 0 else 0.0
 
     def score(self, signs: ArrayLike) -> "Score":
         """Return the statistic of one key with its exact p-value over uniform keys.
@@ -162,5 +164,5 @@ def key_signs_batch(seeds: Iterable[int], n: int) -> NDArray[np.int8]:
     for row, seed in zip(words, seeds, strict=True):
         row[:] = np.random.PCG64(np.random.SeedSequence(seed)).random_raw(row.size)
     bits = np.unpackbits(words.view(np.uint8), axis=1, count=n, bitorder="little")
-    signs: NDArray[np.int8] = np.where(bits, np.int8(1), np.int8(-1))
+    signs: NDArray[np.int8] = 2 * bits.view(np.int8) - 1
     return signs

@@ -1,59 +1,21 @@
 """The tail of a Rademacher sum: exact where keys can be counted, else the Lugannani–Rice saddlepoint."""
 
 import math
-from typing import NamedTuple, overload
+from typing import overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
-from scipy.special import erfcx, gammaln, logsumexp
+from scipy.special import gammaln, logsumexp
 
 from wm3d.errors import Wm3dError
+from wm3d.stats.saddlepoint import LN10, saddlepoint_tail
+from wm3d.stats.weights import FloatArray, checked_thresholds, checked_weights, tie_slack, unit_weights
 
-FloatArray = NDArray[np.float64]
-
-LN10 = math.log(10.0)
 LOG10_2 = math.log10(2.0)
 _COUNTED_SIGNS = 24  # their 2^24 sums are counted as two sorted halves of 2^12
-_TIE = 1e-12  # sums closer than this share of the largest sum are ties: rounding must not split an atom
-_BLOCK = 1 << 18  # elements of a temporary (thresholds x weights); 2 MB stays in cache
-
-
-class Saddlepoint(NamedTuple):
-    """Where K'(θ) = z, for K(θ) = Σ ln cosh(θ a_k) and Σ a_k² = 1; each field has the shape of z."""
-
-    theta: FloatArray
-    cumulant: FloatArray
-    """K(θ)."""
-    curvature: FloatArray
-    """K''(θ)."""
-
-
-def checked_weights(b: ArrayLike) -> FloatArray:
-    """Return the weights as (n,) float64, or raise `Wm3dError` if they are not finite numbers in one row."""
-    weights = np.asarray(b, dtype=np.float64)
-    if weights.ndim != 1:
-        raise Wm3dError(f"The weights b must be one row of numbers, got shape {weights.shape}.")
-    if not np.isfinite(weights).all():
-        bad = int(np.flatnonzero(~np.isfinite(weights))[0])
-        raise Wm3dError(f"Weight b[{bad}] is {weights[bad]}; every weight must be finite.")
-    return weights
-
-
-def norm(b: FloatArray) -> float:
-    """Return √(Σ b²) without overflow or underflow of the squares."""
-    largest = float(np.abs(b).max(initial=0.0))
-    return largest * float(np.linalg.norm(b / largest)) if largest > 0 else 0.0
-
-
-def unit_weights(b: ArrayLike) -> FloatArray:
-    """Return |b_k| / √(Σ b²) of the nonzero weights: the signs of b do not matter under uniform keys."""
-    unit: FloatArray = np.abs(checked_weights(b))
-    largest = unit.max(initial=0.0)
-    if largest > 0:
-        unit = unit / largest
-        unit /= np.linalg.norm(unit)
-    return unit if unit.all() else unit[unit > 0]
+_HEAVY_SHARE = 0.15  # of the variance of a weight and all smaller ones
+_MOST_HEAVY = 10  # their 2^10 signs are averaged over
 
 
 @overload
@@ -87,158 +49,102 @@ def log10_tail(b: ArrayLike, z: float | FloatArray) -> float | FloatArray:
     * all nonzero |b_k| equal: the binomial distribution, exactly;
     * at most 24 signs can still be free (24 nonzero weights, or z so near Σ|b| that only the 24 smallest
       weights may point down): the keys are counted, exactly;
-    * otherwise :func:`saddlepoint_log10`, whose relative error is of order 1/n. It treats the sum as
-      continuous: where many weights share few values, P(sum = z) is not small beside the tail, and the
-      result lies between P(sum > z) and P(sum ≥ z), short of the latter by about half that atom.
+    * otherwise :func:`saddlepoint_log10`, whose relative error is of order 1/n. Weights that carry more
+      than 15 % of the variance of themselves and all smaller ones (ten of them at most) are taken out
+      first, and the tail is averaged over their signs.
+
+    The saddlepoint treats the sum as continuous: where many weights share few values, P(sum = z) is not
+    small beside the tail, and the result falls short of P(sum ≥ z) by about half of that atom.
 
     Ties count as exceedances; sums within 10⁻¹² of Σ|b| of each other are ties.
     """
-    a = unit_weights(b)
-    thresholds = _checked_thresholds(z)
-    out = np.zeros(thresholds.shape)
-    if a.size:
-        reach = float(a.sum())
-        slack = _TIE * reach
-        out[thresholds > reach + slack] = -np.inf
-        inside = (thresholds > -reach) & (thresholds <= reach + slack)
-        out[inside] = _tail_inside(a, np.minimum(thresholds[inside], reach), slack)
+    a = _told_apart(unit_weights(b))
+    thresholds = checked_thresholds(z)
+    out = _tail(a, thresholds.ravel()).reshape(thresholds.shape)
     return float(out[()]) if np.ndim(z) == 0 else out
 
 
-def _checked_thresholds(z: ArrayLike) -> FloatArray:
-    thresholds = np.asarray(z, dtype=np.float64)
-    if np.isnan(thresholds).any():
-        raise Wm3dError("A threshold z is NaN; give a number, or inf or -inf.")
-    return thresholds
+def _told_apart(a: FloatArray) -> FloatArray:
+    """Drop the smallest weights, all of which together move a sum only within its ties."""
+    slack = tie_slack(a)
+    if a.size == 0 or a.min() > slack:
+        return a
+    ordered = np.sort(a)
+    kept: FloatArray = ordered[np.cumsum(ordered) > slack / 4]
+    return kept
 
 
-def _tail_inside(a: FloatArray, z: FloatArray, slack: float) -> FloatArray:
-    if np.ptp(a) <= _TIE * a[0]:
-        return _equal_weights(a.size, z)
-    gap = a.sum() - z + slack
-    if a.size <= _COUNTED_SIGNS:
-        free, countable = a, np.ones(z.shape, dtype=bool)
-    else:
-        smallest = np.partition(a, _COUNTED_SIGNS)[: _COUNTED_SIGNS + 1]
-        free, countable = smallest[:-1], gap < 2 * smallest[-1]
-    out = np.empty_like(z)
-    if countable.any():
-        out[countable] = np.log10(_subsets_within(free, gap[countable] / 2)) - a.size * LOG10_2
-    if not countable.all():
-        out[~countable] = np.maximum(_saddlepoint_tail(a, z[~countable]), -a.size * LOG10_2)
+def _tail(a: FloatArray, z: FloatArray, averaging: bool = True) -> FloatArray:
+    """Log10 of the tail of unit weights at (m,) thresholds; `averaging` over the signs of heavy weights."""
+    out = np.zeros(z.shape)
+    if a.size == 0:
+        return out
+    reach, slack = float(a.sum()), tie_slack(a)
+    out[z > reach + slack] = -np.inf
+    inside = (z > -reach) & (z <= reach + slack)
+    z = np.minimum(z[inside], reach)
+    if np.ptp(a) <= slack / a.size:
+        out[inside] = _equal_weights(a.size, z)
+        return out
+    gap = reach - z + slack
+    smallest = np.partition(a, _COUNTED_SIGNS) if a.size > _COUNTED_SIGNS else np.append(a, np.inf)
+    few = gap < 2 * smallest[min(a.size, _COUNTED_SIGNS)]
+    tails = np.empty(z.shape)
+    if few.any():
+        tails[few] = _counted(a.size, smallest[: min(a.size, _COUNTED_SIGNS)], gap[few])
+    if not few.all():
+        heavy = _heavy(a) if averaging else 0
+        many = _averaged(a, z[~few], heavy) if heavy else saddlepoint_tail(a, z[~few])
+        tails[~few] = np.maximum(many, -a.size * LOG10_2)
+    out[inside] = tails
     return out
+
+
+def _heavy(a: FloatArray) -> int:
+    """Return how many of the largest weights are too large for a saddlepoint of the sum as a whole."""
+    if a.max() ** 2 <= _HEAVY_SHARE:
+        return 0
+    square = np.sort(a)[::-1] ** 2
+    rest = np.cumsum(square[::-1])[::-1]
+    light = np.flatnonzero(square[:_MOST_HEAVY] <= _HEAVY_SHARE * rest[:_MOST_HEAVY])
+    return int(light[0]) if light.size else _MOST_HEAVY
+
+
+def _averaged(a: FloatArray, z: FloatArray, heavy: int) -> FloatArray:
+    """Average the tail of the lighter weights over all signs of the heavy ones."""
+    ordered = np.sort(a)[::-1]
+    rest, scale = ordered[heavy:], float(np.linalg.norm(ordered[heavy:]))
+    shifts = np.zeros(1)
+    for weight in ordered[:heavy]:
+        shifts = np.concatenate([shifts - weight, shifts + weight])
+    tails = _tail(rest / scale, (np.subtract.outer(z, shifts) / scale).ravel(), averaging=False)
+    average: FloatArray = logsumexp(tails.reshape(z.size, -1) * LN10, axis=1) / LN10 - heavy * LOG10_2
+    return np.minimum(average, 0.0)
 
 
 def _equal_weights(n: int, z: FloatArray) -> FloatArray:
     """Log10 P(at most m of n signs are down), the binomial tail, summed in logs."""
-    down = np.floor((n - z * math.sqrt(n)) / 2 + _TIE * n).astype(np.int64)
+    down = np.floor((n - z * math.sqrt(n)) / 2 + 1e-9).astype(np.int64)
     i = np.arange(n + 1)
     log_mass = gammaln(n + 1) - gammaln(i + 1) - gammaln(n - i + 1) - n * math.log(2)
     tails = [min(0.0, float(logsumexp(log_mass[: m + 1]))) for m in np.clip(down, 0, n)]
     return np.array(tails) / LN10
 
 
-def _subsets_within(weights: FloatArray, budget: FloatArray) -> FloatArray:
-    """Count the subsets of the weights whose sum is within each budget, by meeting in the middle."""
+def _counted(n: int, free: FloatArray, gap: FloatArray) -> FloatArray:
+    """Log10 share of the 2^n keys whose down signs are among the free weights and cost at most the gap.
+
+    A sign that is down costs twice its weight. The subsets are counted by meeting in the middle.
+    """
     left, right = np.zeros(1), np.zeros(1)
-    for k, weight in enumerate(weights):
+    for k, weight in enumerate(free):
         if k % 2:
             left = np.concatenate([left, left + weight])
         else:
             right = np.concatenate([right, right + weight])
     right.sort()
-    counts = [np.searchsorted(right, limit - left, side="right").sum() for limit in budget]
-    return np.array(counts, dtype=np.float64)
-
-
-def saddlepoint(a: FloatArray, z: FloatArray) -> Saddlepoint:
-    """Solve K'(θ) = z for unit weights and 0 ≤ z < Σ a.
-
-    Parameters
-    ----------
-    a : (n,) ndarray of float
-        Positive weights with Σ a² = 1, from :func:`unit_weights`.
-    z : (m,) ndarray of float
-        Thresholds.
-
-    Notes
-    -----
-    K' is concave and K'(θ) ≤ θ, so Newton's method from θ = z rises monotonically to the root.
-    """
-    rows = max(1, _BLOCK // a.size)
-    parts = [_saddlepoint_block(a, z[i : i + rows]) for i in range(0, max(z.size, 1), rows)]
-    return Saddlepoint(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-
-
-def _saddlepoint_block(a: FloatArray, z: FloatArray) -> Saddlepoint:
-    theta = z
-    for _ in range(200):
-        slope, curvature = _derivatives(a, theta)
-        # a step backwards is rounding; 4θ bounds the step where the curvature underflows
-        step = np.clip((z - slope) / np.maximum(curvature, np.finfo(float).tiny), 0.0, 4 * theta)
-        theta = theta + step
-        if np.all(step <= 1e-7 * theta):
-            break  # and the error, by quadratic convergence, is below 1e-13 θ
-    cumulant = _ln_cosh(np.multiply.outer(theta, a)).sum(axis=-1)
-    return Saddlepoint(theta, cumulant, _derivatives(a, theta)[1])
-
-
-def _derivatives(a: FloatArray, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """K' = Σ a tanh(θa) and K'' = Σ a² sech²(θa)."""
-    x = np.multiply.outer(theta, a)
-    t: FloatArray = np.tanh(x)
-    slope, square = t @ a, a * a
-    curvature = 1 - np.square(t, out=t) @ square
-    if (curvature < 1e-3).any():  # the difference loses its digits where most signs are already up
-        e = np.exp(-2 * x)
-        curvature = (4 * e / (1 + e) ** 2) @ square
-    return slope, curvature
-
-
-def _ln_cosh(x: FloatArray) -> FloatArray:
-    """Ln cosh x for x ≥ 0 with full relative accuracy at both ends."""
-    near: FloatArray = np.minimum(x, 20.0)  # beyond 20, ln cosh grows by exactly x in double precision
-    return (x - near) + np.log1p(0.5 * np.expm1(-near) ** 2 * np.exp(near))
-
-
-def saddlepoint_log10(b: ArrayLike, z: float | FloatArray) -> float | FloatArray:
-    r"""Return log10 of the Lugannani–Rice tail of Σ b_k w_k at z √(Σ b²), whatever the weights.
-
-    Parameters
-    ----------
-    b : (n,) array_like of float
-        Weights, not all zero.
-    z : float or ndarray of float
-        Thresholds with |z| √(Σ b²) < Σ|b|.
-
-    Notes
-    -----
-    With K(θ) = Σ ln cosh(θ b_k), K'(θ) = z, r = sign(θ) √(2(θz − K)) and u = θ √K''(θ),
-    P = Q(r) + φ(r) (1/u − 1/r) (Lugannani and Rice, Adv. Appl. Prob. 12, 1980, in the form of Daniels,
-    Int. Stat. Rev. 55, 1987), evaluated as ln φ(r) + ln(Q(r)/φ(r) + 1/u − 1/r), which does not underflow.
-    """
-    a = unit_weights(b)
-    thresholds = _checked_thresholds(z)
-    if not (np.abs(thresholds) < a.sum()).all():
-        raise Wm3dError("The saddlepoint exists only for thresholds with |z| √(Σ b²) < Σ|b|.")
-    out = _saddlepoint_tail(a, np.atleast_1d(thresholds).ravel()).reshape(thresholds.shape)
-    return float(out[()]) if np.ndim(z) == 0 else out
-
-
-def _saddlepoint_tail(a: FloatArray, z: FloatArray) -> FloatArray:
-    point = saddlepoint(a, np.abs(z))
-    exponent = np.maximum(point.theta * np.abs(z) - point.cumulant, 0.0)  # r²/2
-    r, u = np.sqrt(2 * exponent), point.theta * np.sqrt(point.curvature)
-    # K'''(0) = 0 by symmetry, so 1/u − 1/r → −K''''(0) θ/8 = Σ a⁴ θ/4
-    limit = point.theta * np.sum((a * a) ** 2) / 4
-    regular = (point.theta > 1e-4) & (u > 0)
-    correction = np.divide(1.0, u, out=limit, where=regular)
-    correction = np.subtract(correction, np.divide(1.0, r, out=np.zeros_like(r), where=regular))
-    mills = math.sqrt(math.pi / 2) * erfcx(r / math.sqrt(2))
-    log_upper = np.minimum(-exponent - 0.5 * math.log(2 * math.pi) + np.log(mills + correction), 0.0)
-    log_lower = np.log1p(-np.minimum(np.exp(log_upper), 0.5))
-    log_tail: FloatArray = np.where(z >= 0, log_upper, log_lower)
-    return log_tail / LN10
+    counts = [np.searchsorted(right, budget - left, side="right").sum() for budget in gap / 2]
+    return np.log10(np.array(counts, dtype=np.float64)) - n * LOG10_2
 
 
 def hoeffding_log10(b: ArrayLike, z: float | FloatArray) -> float | FloatArray:
@@ -251,7 +157,7 @@ def hoeffding_log10(b: ArrayLike, z: float | FloatArray) -> float | FloatArray:
     z : float or ndarray of float
         Thresholds (Hoeffding, J. Am. Stat. Assoc. 58, 1963, theorem 2).
     """
-    thresholds = _checked_thresholds(z)
+    thresholds = checked_thresholds(z)
     bound = 0.0 - np.maximum(thresholds, 0.0) ** 2 / (2 * LN10) * bool(np.any(checked_weights(b)))
     return float(bound[()]) if np.ndim(z) == 0 else bound
 
@@ -289,7 +195,7 @@ def z_at(b: ArrayLike, log10_pf: float) -> float:
     def excess(z: float) -> float:
         return max(log10_tail(a, z), -1e300) - log10_pf
 
-    step = _TIE * reach
+    step = tie_slack(a)
     z = reach if excess(reach) >= 0 else float(brentq(excess, -2 * reach, reach, xtol=step))
     while excess(z) > 0:  # the tail of a discrete sum jumps: go to the side that keeps Pf
         z, step = z + step, 2 * step
