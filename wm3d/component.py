@@ -16,11 +16,14 @@ class Component(BaseModel):
     ----------
     version : int
         Raised by hand when the same parameters start to give other numbers.
+    legend : tuple of str
+        Parameters that a legend always shows, by their bare values.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     version: ClassVar[int] = 1
+    legend: ClassVar[tuple[str, ...]] = ()
 
     @property
     def engines(self) -> tuple[str, ...]:
@@ -38,15 +41,15 @@ class Component(BaseModel):
         return {**self.model_dump(mode="json"), "version": self.version}
 
     def label(self) -> str:
-        """Return a short legend text: the name and the parameters that differ from their defaults."""
+        """Return the legend text: the name, the values of `legend`, and what differs from its default."""
         fields = type(self).model_fields
-        own = self.model_dump(mode="json")
-        changed = [
-            f"{key}={_short(value)}"
-            for key, value in own.items()
-            if key != "name" and getattr(self, key) != fields[key].default
-        ]
-        return " ".join([str(own.get("name", type(self).__name__)), *changed])
+        words = [str(fields["name"].default) if "name" in fields else type(self).__name__]
+        for key, value in self.parameters().items():
+            if key in self.legend:
+                words.append(_short(value))
+            elif getattr(self, key) != fields[key].default:
+                words.append(f"{key}={_short(value)}")
+        return " ".join(words)
 
 
 def _short(value: Any) -> str:

@@ -1,7 +1,7 @@
 """What every attack is: a frozen value that turns a mesh and a random generator into a mesh."""
 
 from abc import ABC, abstractmethod
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -14,7 +14,17 @@ class Attack(Component, ABC):
 
     Calling it draws all randomness from the generator that is passed in; the same generator state gives the
     same mesh. The input is never changed.
+
+    Attributes
+    ----------
+    random : bool
+        False where the result does not depend on the generator.
+    turns : bool
+        True where the attack rotates the whole model, so axes can be compared only after turning it back.
     """
+
+    random: ClassVar[bool] = True
+    turns: ClassVar[bool] = False
 
     @abstractmethod
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
@@ -31,6 +41,7 @@ class Clean(Attack):
     """No attack: the mesh as it is."""
 
     name: Literal["clean"] = "clean"
+    random: ClassVar[bool] = False
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (one signature)
         """Return the mesh itself."""

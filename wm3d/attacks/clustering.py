@@ -50,6 +50,7 @@ def cluster(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatAr
     merged = cluster_of[faces]
     a, b, c = merged.T
     merged = merged[(a != b) & (b != c) & (c != a)]
-    _, first = np.unique(np.sort(merged, axis=1), axis=0, return_index=True)
+    low, middle, high = np.sort(merged, axis=1).T
+    _, first = np.unique((low * len(means) + middle) * len(means) + high, return_index=True)
     kept, renumbered = np.unique(merged[np.sort(first)], return_inverse=True)
     return means[kept], renumbered.reshape(-1, 3)

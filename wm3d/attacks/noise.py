@@ -1,7 +1,7 @@
 """Gaussian noise on the coordinates of the vertices (section IV of the paper)."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -23,6 +23,8 @@ class GaussianNoise(Attack):
     """
 
     name: Literal["gaussian-noise"] = "gaussian-noise"
+    legend: ClassVar[tuple[str, ...]] = ("percent", "amplitude")
+
     percent: Annotated[float, Field(ge=0)] = 0.6
     amplitude: Literal["rms-vector", "per-axis"] = "rms-vector"
 

@@ -1,6 +1,6 @@
 """Random similarity transforms: rotation, translation, uniform scale."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -25,6 +25,8 @@ class Similarity(Attack):
     """
 
     name: Literal["similarity"] = "similarity"
+    turns: ClassVar[bool] = True
+
     min_scale: Annotated[float, Field(gt=0)] = 0.1
     max_scale: Annotated[float, Field(gt=0)] = 10.0
     translation: Annotated[float, Field(ge=0)] = 5.0

@@ -1,6 +1,6 @@
 """Simplification to a share of the faces, by three engines (section IV of the paper)."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -26,6 +26,9 @@ class Simplify(Attack):
     """
 
     name: Literal["simplify"] = "simplify"
+    random: ClassVar[bool] = False
+    legend: ClassVar[tuple[str, ...]] = ("ratio", "simplifier")
+
     ratio: Annotated[float, Field(gt=0, le=1)] = 0.5
     simplifier: Literal["fast-simplification", "pymeshlab-quadric", "clustering"] = "fast-simplification"
 

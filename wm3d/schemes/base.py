@@ -9,6 +9,7 @@ from wm3d.component import Component
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 from wm3d.metrics import snr
+from wm3d.scanner import Cylinder
 from wm3d.stats import RademacherSum, Score, key_signs
 
 SNR_TOLERANCE = 1e-6
@@ -56,6 +57,10 @@ class Scheme(Component, ABC):
         Wm3dError
             If the mesh cannot be posed.
         """
+
+    def cylinder(self, mesh: Mesh) -> Cylinder | None:  # noqa: ARG002 (for schemes that have none)
+        """Return the scanning cylinder that this scheme puts around a mesh, None if it uses none."""
+        return None
 
     def signs(self, seed: int) -> SignArray:
         """Return the key signs w of a seed: (n,) of ±1."""

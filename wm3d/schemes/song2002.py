@@ -10,7 +10,7 @@ from wm3d.errors import Wm3dError
 from wm3d.imagemarks import DctAdditive, Detector, GgdLrt
 from wm3d.imagemarks.blocks import BLOCK, block_all
 from wm3d.mesh import Mesh
-from wm3d.scanner import RangeImage, VertexPca
+from wm3d.scanner import Cylinder, RangeImage, VertexPca
 from wm3d.scanner.scan import MAX_GRID, scan_posed
 from wm3d.schemes.base import Scheme
 from wm3d.schemes.movement import move_vertices
@@ -67,9 +67,13 @@ class Song2002(Scheme):
         """63 signs for each 8×8 block of the region."""
         return DctAdditive.capacity(self.region[2:])
 
+    def cylinder(self, mesh: Mesh) -> Cylinder:
+        """Return the paper's pose, `VertexPca` (section II-A)."""
+        return VertexPca()(mesh)
+
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
         """Mark the range image and let the vertices follow (section III-A); see `Scheme.embed`."""
-        cylinder = VertexPca()(mesh)
+        cylinder = self.cylinder(mesh)
         posed = cylinder.posed(mesh)
         grey = self._grey(scan_posed(posed, mesh, self.grid, cylinder), mesh.name)
         if not block_all(grey.usable).any():
@@ -81,7 +85,7 @@ class Song2002(Scheme):
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
         """Pose, scan and read the region (section III-B); see `Scheme.evidence`."""
-        cylinder = VertexPca()(mesh)
+        cylinder = self.cylinder(mesh)
         image = scan_posed(cylinder.posed(mesh), mesh, self.grid, cylinder)
         grey = self._grey(image, mesh.name)
         return self._mark.evidence(grey.levels, grey.usable)

@@ -1,0 +1,142 @@
+"""The experiment config: what a YAML file may say, checked strictly and all faults at once."""
+
+import json
+import re
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, ValidationError
+from pydantic_core import CoreSchema, core_schema
+
+from wm3d.attacks import ATTACKS, Attack
+from wm3d.bench.faults import describe_faults
+from wm3d.bench.yamlfile import Document, read_yaml
+from wm3d.component import Component
+from wm3d.errors import Wm3dError
+from wm3d.registry import Registry
+from wm3d.schemes import SCHEMES, Scheme
+
+
+class _OneOf:
+    """Pydantic annotation: one registered component, told apart by its `name`."""
+
+    def __init__(self, registry: Registry[Any]) -> None:
+        self.registry = registry
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        choices = {name: handler.generate_schema(cls) for name, cls in self.registry.items()}
+        return core_schema.tagged_union_schema(choices, discriminator="name")
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Case(_Strict):
+    """Every scheme on every mesh of the lists.
+
+    Attributes
+    ----------
+    meshes : tuple of str
+        Names of the registry (``wm3d data list``) or paths of files, relative to the working directory.
+    schemes : tuple of Scheme
+    """
+
+    meshes: Annotated[tuple[str, ...], Field(min_length=1)]
+    schemes: Annotated[tuple[Annotated[Scheme, _OneOf(SCHEMES)], ...], Field(min_length=1)]
+
+
+class Experiment(_Strict):
+    """One experiment: cases × attacks × key trials.
+
+    Attributes
+    ----------
+    name : str
+        Lower-case letters, digits and hyphens; names the default run directory ``runs/NAME``.
+    title : str
+        Heading of the report.
+    seed : int
+        Root of all randomness.
+    trials : int
+        Keys embedded, attacked and scored for each mesh, scheme and attack.
+    block : int
+        Trials stored in one cell file; a run that is killed loses at most its unfinished cells.
+    wrong_keys : int
+        Independent wrong keys scored on each attacked marked mesh.
+    unmarked : bool
+        Whether each trial's key is also scored on the unmarked mesh after the same attack.
+    false_alarm_trials : int
+        Hadamard keys for the Monte Carlo false-alarm curve of each mesh, scheme and attack.
+    pf : tuple of float
+        False-alarm probabilities at which tables quote Pd.
+    cases : tuple of Case
+    attacks : tuple of Attack
+    """
+
+    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]*$")]
+    title: str = ""
+    seed: Annotated[int, Field(ge=0)] = 2002
+    trials: Annotated[int, Field(ge=1)]
+    block: Annotated[int, Field(ge=1)] = 10
+    wrong_keys: Annotated[int, Field(ge=0)] = 10
+    unmarked: bool = False
+    false_alarm_trials: Annotated[int, Field(ge=0)] = 0
+    pf: Annotated[tuple[Annotated[float, Field(gt=0, lt=1)], ...], Field(min_length=1)] = (
+        1e-3,
+        1e-6,
+        1e-8,
+        1e-12,
+    )
+    cases: Annotated[tuple[Case, ...], Field(min_length=1)]
+    attacks: Annotated[tuple[Annotated[Attack, _OneOf(ATTACKS)], ...], Field(min_length=1)]
+
+
+def load_experiment(path: str | Path, overrides: list[str] | None = None) -> Experiment:
+    """Read and check a config file.
+
+    Parameters
+    ----------
+    path : str or Path
+    overrides : list of str, optional
+        ``path.to.field=value``, applied before the check; items of lists by index, as in
+        ``cases.0.schemes.0.alpha=0.9``.
+
+    Raises
+    ------
+    Wm3dError
+        Naming every fault with its line and path.
+    """
+    document = read_yaml(path)
+    for override in overrides or []:
+        document.override(override)
+    return _checked(document)
+
+
+def _checked(document: Document) -> Experiment:
+    faults = list(document.faults)
+    experiment = None
+    try:
+        # through JSON, where strictness takes a list for a tuple but not "10" for 10
+        experiment = Experiment.model_validate_json(json.dumps(document.data, default=str), strict=True)
+    except ValidationError as error:
+        faults += describe_faults(error, document, Experiment, _components())
+    if faults or experiment is None:
+        sentences = [sentence for _, sentence in sorted(faults)]
+        count = f"{len(faults)} faults:\n  " if len(faults) > 1 else ""
+        raise Wm3dError(f"{document.path}: {count}" + "\n  ".join(sentences))
+    return experiment
+
+
+def _components() -> dict[str, type[Component]]:
+    """Every component that a config can hold, by name, to suggest parameter names."""
+    from wm3d.imagemarks import DETECTORS
+
+    return {**ATTACKS, **SCHEMES, **DETECTORS}
+
+
+def json_schema() -> str:
+    """Return the JSON Schema of a config file, for editors that complete and check YAML."""
+    schema = Experiment.model_json_schema()
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+    return re.sub(r"[ \t]+\n", "\n", text)

@@ -1,0 +1,126 @@
+"""One experiment from config to figures: plan, run what is missing, report what is there."""
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from wm3d.bench.config import Experiment, load_experiment
+from wm3d.bench.execute import default_workers, execute
+from wm3d.bench.manifest import manifest
+from wm3d.bench.plan import Cell, plan, tasks
+from wm3d.bench.progress import reporter
+from wm3d.bench.report import write_report
+from wm3d.bench.store import DamagedCellError, RunDirectory
+from wm3d.bench.summary import print_summary
+from wm3d.bench.yamlfile import write_yaml
+from wm3d.mesh import Mesh, datasets
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run left behind.
+
+    Attributes
+    ----------
+    directory : Path
+        The run directory.
+    failed : int
+        Trials whose attack raised an error, or that were lost with a worker.
+    """
+
+    directory: Path
+    failed: int
+
+
+def run_config(
+    path: str | Path,
+    *,
+    out: Path | None = None,
+    workers: int | None = None,
+    dask: str | None = None,
+    overrides: list[str] | None = None,
+    dry_run: bool = False,
+) -> Outcome:
+    """Run an experiment config; what an earlier run of the same cells left in the directory is kept.
+
+    Parameters
+    ----------
+    path : str or Path
+        YAML file, see `Experiment`.
+    out : Path, optional
+        Run directory; ``runs/NAME`` by default.
+    workers : int, optional
+        Local processes; as many as processors by default.
+    dask : str, optional
+        Address of a Dask scheduler to use instead of local processes.
+    overrides : list of str, optional
+        ``path.to.field=value``.
+    dry_run : bool
+        Print the plan and run nothing.
+
+    Raises
+    ------
+    Wm3dError
+        If the config, a mesh or the run directory cannot be used.
+    """
+    experiment = load_experiment(path, overrides)
+    directory = RunDirectory(out or Path("runs") / experiment.name)
+    names = dict.fromkeys(name for case in experiment.cases for name in case.meshes)
+    meshes = {name: datasets.resolve(name) for name in names}
+    cells = plan(experiment, meshes)
+    if dry_run:
+        _print_plan(experiment, cells, directory)
+        return Outcome(directory.path, 0)
+    directory.create()
+    with directory.locked():
+        started = datetime.now(UTC)
+        directory.write_text("config.yaml", write_yaml(experiment.model_dump(mode="json")))
+        lost = _run_missing(cells, meshes, directory, workers or default_workers(), dask)
+        stored = [cell for cell in cells if directory.cell_path(cell.digest).exists()]
+        directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost))
+        failed = write_report(directory.path)
+        print_summary(directory)
+    return Outcome(directory.path, lost + failed)
+
+
+def _run_missing(
+    cells: list[Cell], meshes: Mapping[str, Mesh], directory: RunDirectory, workers: int, dask: str | None
+) -> int:
+    """Run the cells that the directory does not hold; return the number of trials that were lost."""
+    missing = [cell for cell in cells if not _held(cell, directory)]
+    todo = tasks(missing)
+    if len(missing) < len(cells):
+        print(f"{len(cells) - len(missing)} of {len(cells)} cells are there already.", file=sys.stderr)
+    trials_left = sum(task.trials for task in todo)
+    with reporter(len(missing), trials_left) as progress:
+        for task, rows in execute(todo, meshes, workers, dask):
+            for digest, cell_rows in rows.items():
+                directory.write_cell(digest, cell_rows)
+            trials_left -= task.trials
+            progress.advance(len(task.cells), task.trials)
+        if trials_left:
+            progress.note(f"{trials_left} trials are lost: their worker died each time; run again to retry.")
+    return trials_left
+
+
+def _held(cell: Cell, directory: RunDirectory) -> bool:
+    try:
+        return directory.read_cell(cell.digest) is not None
+    except DamagedCellError as error:
+        print(error, file=sys.stderr)
+        return False
+
+
+def _print_plan(experiment: Experiment, cells: list[Cell], directory: RunDirectory) -> None:
+    """Say what a run would do: cells and trials for each mesh, scheme and attack, and what is there."""
+    print(f"{experiment.name}: {len(cells)} cells into {directory.path}")
+    counts: dict[tuple[str, str, str, str], int] = {}
+    for cell in cells:
+        key = (cell.mesh, cell.scheme.label(), cell.attack.label(), cell.hypothesis)
+        counts[key] = counts.get(key, 0) + cell.stop - cell.start
+    for (mesh, scheme, attack, hypothesis), trials in counts.items():
+        print(f"  {mesh}  {scheme}  {attack}  {hypothesis}: {trials} trials")
+    held = sum(directory.cell_path(cell.digest).exists() for cell in cells)
+    print(f"{held} cells are there already, {len(cells) - held} to run.")

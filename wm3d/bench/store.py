@@ -1,0 +1,112 @@
+"""A run directory: the config as run, one parquet file a cell, tables, figures, manifest."""
+
+import io
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+from filelock import FileLock, Timeout
+
+from wm3d.bench.trial import COLUMNS
+from wm3d.errors import Wm3dError
+from wm3d.mesh import write_whole
+
+CELL_KEY = b"wm3d.cell"
+
+
+class RunDirectory:
+    """The files of one run; every file appears whole or not at all.
+
+    Attributes
+    ----------
+    path : Path
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+
+    def create(self) -> None:
+        """Make the folders.
+
+        Raises
+        ------
+        Wm3dError
+            If they cannot be made.
+        """
+        try:
+            for folder in ("cells", "tables", "figures"):
+                (self.path / folder).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise Wm3dError(f"{self.path}: cannot be used as run directory ({error.strerror}).") from None
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Hold the directory for one run at a time; the lock goes with the process, however that ends.
+
+        Raises
+        ------
+        Wm3dError
+            If another run holds it.
+        """
+        try:
+            with FileLock(self.path / ".lock", timeout=0):
+                yield
+        except Timeout:
+            raise Wm3dError(
+                f"{self.path}: another run is writing here; wait for it or choose another --out."
+            ) from None
+        except OSError as error:
+            raise Wm3dError(f"{self.path}: cannot be written to ({error.strerror}).") from None
+
+    def cell_path(self, digest: str) -> Path:
+        """Return where the rows of a cell are kept."""
+        return self.path / "cells" / f"{digest}.parquet"
+
+    def write_cell(self, digest: str, rows: pd.DataFrame) -> None:
+        """Store the rows of a cell, with page checksums and the digest inside."""
+        table = pa.Table.from_pandas(rows, preserve_index=False)
+        table = table.replace_schema_metadata({**(table.schema.metadata or {}), CELL_KEY: digest.encode()})
+        buffer = io.BytesIO()
+        pq.write_table(table, buffer, write_page_checksum=True)
+        write_whole(self.cell_path(digest), buffer.getvalue())
+
+    def read_cell(self, digest: str) -> pd.DataFrame | None:
+        """Return the rows of a cell, None if there are none yet.
+
+        Raises
+        ------
+        DamagedCellError
+            If the file is not what `write_cell` wrote.
+        """
+        path = self.cell_path(digest)
+        if not path.exists():
+            return None
+        try:
+            table = pq.read_table(path, page_checksum_verification=True, memory_map=False)
+            if (table.schema.metadata or {}).get(CELL_KEY) != digest.encode():
+                raise DamagedCellError(path, "it belongs to another cell")
+            rows: pd.DataFrame = table.to_pandas().astype(COLUMNS)
+            return rows
+        except (pa.ArrowException, OSError, ValueError, KeyError) as error:
+            if isinstance(error, DamagedCellError):
+                raise
+            raise DamagedCellError(path, str(error).splitlines()[0]) from None
+
+    def write_text(self, name: str, text: str) -> None:
+        """Write a text file of the run directory."""
+        write_whole(self.path / name, text.encode())
+
+    def write_tables(self, tables: Mapping[str, pd.DataFrame]) -> None:
+        """Write tables/NAME.csv; floats in the shortest form that reads back to the same bits."""
+        for name, table in tables.items():
+            self.write_text(f"tables/{name}.csv", table.to_csv(index=False, lineterminator="\n"))
+
+
+class DamagedCellError(Wm3dError):
+    """A cell file that cannot be trusted; it is computed again."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(f"{path}: is damaged ({reason}) and will be computed again.")

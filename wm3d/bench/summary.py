@@ -1,0 +1,40 @@
+"""What a finished run says on the terminal: detection by attack, and where the rest is."""
+
+import re
+
+import pandas as pd
+from rich.console import Console
+from rich.table import Table
+
+from wm3d.bench.store import RunDirectory
+from wm3d.stats import DEFAULT_PF
+
+DETECTED, LOST = 0.99, 0.5
+"""Pd from which a mark counts as surviving an attack, and below which it counts as lost."""
+
+
+def print_summary(directory: RunDirectory) -> None:
+    """Print Pd at the false-alarm probability nearest to 1e-6, with its interval and a verdict."""
+    table = pd.read_csv(directory.path / "tables" / "detection.csv", float_precision="round_trip")
+    quoted = [float(match[1]) for name in table.columns if (match := re.fullmatch(r"pd_([^_]+)", str(name)))]
+    pf = min(quoted, key=lambda value: abs(value / DEFAULT_PF - 1))
+    console = Console()
+    for (mesh, scheme), group in table.groupby(["mesh", "scheme"], sort=False):
+        output = Table(title=f"{mesh}, {scheme}", title_justify="left", box=None, padding=(0, 1))
+        output.add_column("attack")
+        for heading in ("trials", "d'", f"Pd at Pf = {pf:g}", "95 %"):
+            output.add_column(heading, justify="right", no_wrap=True)
+        output.add_column("the mark is")
+        for line in group.to_dict("records"):
+            share, low, high = (line[f"pd_{pf:g}{end}"] for end in ("", "_low", "_high"))
+            verdict = "found" if share >= DETECTED else "lost" if share < LOST else "found at times"
+            output.add_row(
+                str(line["attack"]),
+                str(line["trials"]),
+                f"{line['d_prime']:.1f}",
+                f"{share:.3f}",
+                f"{low:.3f} to {high:.3f}",
+                verdict if line["trials"] else "not tried: every attack failed",
+            )
+        console.print(output)
+    console.print(f"Tables, figures and rows: {directory.path}", highlight=False, soft_wrap=True)
