@@ -95,23 +95,26 @@ def cast(
         l in mesh units; NaN where the ray meets no face.
     """
     cosine, sine = directions(columns)
-    level = _levels(posed, planes)
+    level, angle = _levels(posed, planes), _angles(posed, columns)
     first = np.full((len(planes), columns), -math.inf)  # signed distance of the hit from the axis, r − l
     for f in range(len(faces)):
-        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        a, b, c = np.uintp(faces[f, 0]), np.uintp(faces[f, 1]), np.uintp(faces[f, 2])
         low, high = min(level[a], level[b], level[c]), max(level[a], level[b], level[c])
-        start, stop = (low + 1) >> 1, high >> 1
-        if start > stop:
-            continue  # no plane between the lowest and the highest corner
-        a0, a1, a2 = posed[a, 0], posed[a, 1], posed[a, 2]
-        b0, b1, b2 = posed[b, 0], posed[b, 1], posed[b, 2]
-        c0, c1, c2 = posed[c, 0], posed[c, 1], posed[c, 2]
-        # (b−a)×(c−a) across the axis, with the sign that the left-handed s1, s2, s3 ask for
-        n1 = outward * ((b0 - a0) * (c2 - a2) - (b2 - a2) * (c0 - a0))
-        n2 = outward * ((b1 - a1) * (c0 - a0) - (b0 - a0) * (c1 - a1))
-        for u in range(start, stop + 1):
-            p1, p2, q1, q2 = _slice(a0, a1, a2, b0, b1, b2, c0, c1, c2, planes[u], low == 2 * u)
-            _hit(first, u, p1, p2, q1, q2, n1, n2, cosine, sine)
+        bottom, top = (low + 1) >> 1, high >> 1
+        if bottom > top or low == high:
+            continue  # between two planes, or in one and so edge-on to its rays
+        near, beyond = _windows(angle[a], angle[b], angle[c], columns)
+        if near[0] > near[1] and beyond[0] > beyond[1]:
+            continue  # between two columns
+        normal = _normal(posed, a, b, c, outward)
+        for u in range(bottom, top + 1):
+            # a vertex in the plane counts as above it, unless it is the lowest of the face: so a face that
+            # only touches the plane still gives its point or edge
+            above = 2 * u + (low == 2 * u)
+            i, j, k = _lone_first(a, b, c, level[a] >= above, level[b] >= above, level[c] >= above)
+            p, q = _cut(posed, i, j, planes[u]), _cut(posed, i, k, planes[u])
+            _hit(first[u], near, p, q, normal, cosine, sine)
+            _hit(first[u], beyond, p, q, normal, cosine, sine)
     return np.where(first == -math.inf, math.nan, radius - first)
 
 
@@ -133,6 +136,58 @@ def _levels(posed: FloatArray, planes: FloatArray) -> NDArray[np.int32]:
 
 
 @njit(cache=True, error_model="numpy")
+def _angles(posed: FloatArray, columns: int) -> FloatArray:
+    """Place every vertex among the columns: its angle from s3 to s2, in columns, from −N_v/2 to N_v/2.
+
+    To within `ANGLE_ERROR`, by Abramowitz & Stegun 4.4.49; infinite on the axis.
+    """
+    scale = columns / (2.0 * math.pi)
+    flat = posed.ravel()  # LLVM vectorizes this loop over one dimension only
+    angle = np.empty(len(posed))
+    for i in range(len(posed)):
+        across, depth = flat[3 * i + 1], flat[3 * i + 2]
+        x, y = abs(depth), abs(across)
+        large = max(x, y)
+        q = min(x, y) / large
+        s = q * q
+        turn = q * (0.9998660 + s * (-0.3302995 + s * (0.1801410 + s * (-0.0851330 + s * 0.0208351))))
+        turn = 0.5 * math.pi - turn if y > x else turn
+        turn = math.pi - turn if depth < 0.0 else turn
+        turn = math.inf if large == 0.0 else turn
+        angle[i] = math.copysign(turn, across) * scale
+    return angle
+
+
+@njit(cache=True, inline="always", error_model="numpy")
+def _windows(a: float, b: float, c: float, columns: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """First and last column whose rays may meet a face before the axis, and those beyond it.
+
+    Parameters
+    ----------
+    a, b, c : float
+        Angles of its corners, from `_angles`.
+    """
+    half, margin = 0.5 * columns, ANGLE_ERROR * columns / (2.0 * math.pi)
+    left, right = min(a, b, c) - margin, max(a, b, c) + margin
+    if not right - left < half:  # is it that the face passes behind, where the angle jumps?
+        a = a if a >= 0.0 else a + columns
+        b = b if b >= 0.0 else b + columns
+        c = c if c >= 0.0 else c + columns
+        left, right = min(a, b, c) - margin, max(a, b, c) + margin
+    if not right - left < half:  # the face meets the axis, or nearly
+        return (0, columns - 1), (0, -1)
+    return (math.ceil(left), math.floor(right)), (math.ceil(left + half), math.floor(right + half))
+
+
+@njit(cache=True, inline="always", error_model="numpy")
+def _normal(posed: FloatArray, a: np.uintp, b: np.uintp, c: np.uintp, outward: int) -> tuple[float, float]:
+    """(b−a)×(c−a) across the axis, with the sign that the left-handed s1, s2, s3 ask for."""
+    d0, d1, d2 = posed[b, 0] - posed[a, 0], posed[b, 1] - posed[a, 1], posed[b, 2] - posed[a, 2]
+    e0, e1, e2 = posed[c, 0] - posed[a, 0], posed[c, 1] - posed[a, 1], posed[c, 2] - posed[a, 2]
+    return outward * (d0 * e2 - d2 * e0), outward * (d1 * e0 - d0 * e1)
+
+
+@njit(cache=True, error_model="numpy")
 def directions(columns: int) -> tuple[FloatArray, FloatArray]:
     """Return the components of e_v(v) = cos(2πv/N_v) s3 + sin(2πv/N_v) s2 (eq. 4), exact at the quarters."""
     cosine, sine = np.empty(columns), np.empty(columns)
@@ -147,100 +202,46 @@ def directions(columns: int) -> tuple[FloatArray, FloatArray]:
 
 
 @njit(cache=True, inline="always", error_model="numpy")
-def _slice(
-    a0: float, a1: float, a2: float, b0: float, b1: float, b2: float, c0: float, c1: float, c2: float,
-    plane: float, touches: bool,
-) -> tuple[float, float, float, float]:  # fmt: skip
-    """Cut a triangle with a plane across the axis: the two ends of the segment, as (s2, s3) pairs.
-
-    A vertex in the plane counts as above it, unless it is the lowest of the triangle (`touches`), so that a
-    triangle that only touches the plane still gives its point or edge.
-    """
-    above_a, above_b, above_c = a0 >= plane, b0 >= plane, c0 >= plane
-    if touches:
-        above_a, above_b, above_c = a0 > plane, b0 > plane, c0 > plane
-        if not (above_a or above_b or above_c):  # the whole triangle lies in the plane: edge-on to every ray
-            return a1, a2, a1, a2
-    if above_a == above_b:  # c is alone on its side
-        p1, p2 = _edge(c0, c1, c2, a0, a1, a2, plane)
-        q1, q2 = _edge(c0, c1, c2, b0, b1, b2, plane)
-    elif above_a == above_c:
-        p1, p2 = _edge(b0, b1, b2, a0, a1, a2, plane)
-        q1, q2 = _edge(b0, b1, b2, c0, c1, c2, plane)
-    else:
-        p1, p2 = _edge(a0, a1, a2, b0, b1, b2, plane)
-        q1, q2 = _edge(a0, a1, a2, c0, c1, c2, plane)
-    return p1, p2, q1, q2
+def _lone_first(
+    a: np.uintp, b: np.uintp, c: np.uintp, a_above: bool, b_above: bool, c_above: bool
+) -> tuple[np.uintp, np.uintp, np.uintp]:
+    """Put the corner that is alone on its side of the plane first."""
+    if a_above == b_above:
+        return c, a, b
+    if a_above == c_above:
+        return b, a, c
+    return a, b, c
 
 
 @njit(cache=True, inline="always", error_model="numpy")
-def _edge(
-    a0: float, a1: float, a2: float, b0: float, b1: float, b2: float, plane: float
-) -> tuple[float, float]:
-    """Point where an edge meets the plane; the same floats for both faces of the edge, exact at its ends."""
-    if a0 > b0:
-        a0, a1, a2, b0, b1, b2 = b0, b1, b2, a0, a1, a2
-    t = (plane - a0) / (b0 - a0)
-    s = 1.0 - t
-    return s * a1 + t * b1, s * a2 + t * b2
+def _cut(posed: FloatArray, i: np.uintp, j: np.uintp, plane: float) -> tuple[float, float]:
+    """Point (s2, s3) where an edge meets the plane: the same floats from either end, exact at the ends."""
+    length = posed[j, 0] - posed[i, 0]
+    at_i, at_j = (posed[j, 0] - plane) / length, (plane - posed[i, 0]) / length
+    return at_i * posed[i, 1] + at_j * posed[j, 1], at_i * posed[i, 2] + at_j * posed[j, 2]
 
 
 @njit(cache=True, inline="always", error_model="numpy")
 def _hit(
-    first: FloatArray, u: int, p1: float, p2: float, q1: float, q2: float, n1: float, n2: float,
-    cosine: FloatArray, sine: FloatArray,
+    first: FloatArray, window: tuple[int, int], p: tuple[float, float], q: tuple[float, float],
+    normal: tuple[float, float], cosine: FloatArray, sine: FloatArray,
 ) -> None:  # fmt: skip
-    """Keep the hit nearest to the ray's start, for each column that meets the segment from the front."""
+    """Keep the hit nearest to the ray's start, for each column that meets the segment pq from the front."""
     columns = len(cosine)
-    scale = columns / (2.0 * math.pi)
-    margin = ANGLE_ERROR * scale
-    start, stop = _angle(p1, p2) * scale, _angle(q1, q2) * scale
-    if start > stop:
-        start, stop = stop, start
-    if stop - start > 0.5 * columns:  # the short way round
-        start, stop = stop, start + columns
-    # n·x is the same for every x of the segment. Where it is positive, only a ray that comes straight at the
-    # segment sees its front (t > 0); where it is negative, only one that has crossed the axis (t < 0).
-    side = n1 * p1 + n2 * p2
-    if stop - start > 0.5 * columns - 2.0 * margin or side == 0.0:
-        start, stop = 0.0, columns - 1.0  # the segment passes by the axis: ask every column
-    elif side < 0.0:
-        start += 0.5 * columns
-        stop += 0.5 * columns
-    for column in range(math.ceil(start - margin), math.floor(stop + margin) + 1):
+    for column in range(window[0], window[1] + 1):
         v = column
         if v < 0:
             v += columns
-        while v >= columns:
+        elif v >= columns:
             v -= columns
         e2, e1 = cosine[v], sine[v]
-        if n1 * e1 + n2 * e2 <= 0.0:
-            continue
-        before = p2 * e1 - p1 * e2
-        after = q2 * e1 - q1 * e2
-        if (before > 0.0 and after > 0.0) or (before < 0.0 and after < 0.0):
-            continue
-        at_p, at_q = p1 * e1 + p2 * e2, q1 * e1 + q2 * e2
-        if before == after:  # both on the ray's line
-            t = max(at_p, at_q)
-        else:
-            share = before / (before - after)
-            t = (1.0 - share) * at_p + share * at_q
-        first[u, v] = max(first[u, v], t)
-
-
-@njit(cache=True, inline="always", error_model="numpy")
-def _angle(sine: float, cosine: float) -> float:
-    """Angle of a point in radians in [0, 2π), to within `ANGLE_ERROR` (Abramowitz & Stegun 4.4.49: 1e-5)."""
-    x, y = abs(cosine), abs(sine)
-    small, large = min(x, y), max(x, y)
-    if large == 0.0:
-        return 0.0
-    q = small / large
-    s = q * q
-    angle = q * (0.9998660 + s * (-0.3302995 + s * (0.1801410 + s * (-0.0851330 + s * 0.0208351))))
-    if y > x:
-        angle = 0.5 * math.pi - angle
-    if cosine < 0.0:
-        angle = math.pi - angle
-    return angle if sine >= 0.0 else 2.0 * math.pi - angle
+        before, after = p[1] * e1 - p[0] * e2, q[1] * e1 - q[0] * e2
+        crosses = ((before <= 0.0) & (after >= 0.0)) | ((before >= 0.0) & (after <= 0.0))
+        if crosses & (normal[0] * e1 + normal[1] * e2 > 0.0):  # & and |: a guess that fails costs more
+            at_p, at_q = p[0] * e1 + p[1] * e2, q[0] * e1 + q[1] * e2
+            if before == after:  # both on the ray's line
+                t = max(at_p, at_q)
+            else:
+                share = before / (before - after)
+                t = (1.0 - share) * at_p + share * at_q
+            first[v] = max(first[v], t)
