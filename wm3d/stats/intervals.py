@@ -96,9 +96,9 @@ def korn_graubard(
     deff = np.ones(k.shape)
     if known.any():
         spread = (square - k**2 / batches) / (batches - 1)
-        binomial = k / batches * (1 - k / n)
-        deff = np.maximum(1.0, np.divide(spread, binomial, out=deff, where=known))
-        deff[known] *= (stdtrit(batches - 1, _tail(confidence)) / stdtrit(n - 1, _tail(confidence))) ** 2
+        np.divide(spread, k / batches * (1 - k / n), out=deff, where=known)
+        few = (stdtrit(batches - 1, _tail(confidence)) / stdtrit(n - 1, _tail(confidence))) ** 2
+        deff = np.where(known, np.maximum(deff, 1.0) * few, 1.0)
     return clopper_pearson(k / deff, n / deff, confidence)
 
 

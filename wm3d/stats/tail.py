@@ -15,6 +15,7 @@ from wm3d.stats.weights import FloatArray, checked_thresholds, checked_weights, 
 LOG10_2 = math.log10(2.0)
 _COUNTED_SIGNS = 24  # their 2^24 sums are counted as two sorted halves of 2^12
 _HEAVY_SHARE = 0.15  # of the variance of a weight and all smaller ones
+_ROUNDING = 1e-12  # of log10 P, where an atom meets the wanted Pf
 _MOST_HEAVY = 10  # their 2^10 signs are averaged over
 
 
@@ -175,8 +176,8 @@ def z_at(b: ArrayLike, log10_pf: float) -> float:
     Returns
     -------
     float
-        The least z (within 10⁻¹² of Σ|b|) with log10_tail(b, z) ≤ log10_pf, or inf if even a single key,
-        with its probability 2^−n over n nonzero weights, is likelier than that.
+        The least z with log10_tail(b, z) ≤ log10_pf, each within 10⁻¹² (of Σ|b|, and of 1), or inf if even
+        a single key, with its probability 2^−n over n nonzero weights, is likelier than that.
 
     Raises
     ------
@@ -188,12 +189,12 @@ def z_at(b: ArrayLike, log10_pf: float) -> float:
             f"log10_pf is {log10_pf}; a false-alarm probability below 1 has a negative logarithm."
         )
     a = unit_weights(b)
-    if log10_pf < -a.size * LOG10_2:
+    if log10_pf < -a.size * LOG10_2 - _ROUNDING:
         return math.inf
     reach = float(a.sum())
 
     def excess(z: float) -> float:
-        return max(log10_tail(a, z), -1e300) - log10_pf
+        return max(log10_tail(a, z), -1e300) - log10_pf - _ROUNDING
 
     step = tie_slack(a)
     z = reach if excess(reach) >= 0 else float(brentq(excess, -2 * reach, reach, xtol=step))

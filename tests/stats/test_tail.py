@@ -1,0 +1,179 @@
+"""The tail of a Rademacher sum against enumeration, the binomial law and high-precision arithmetic."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from wm3d.errors import Wm3dError
+from wm3d.stats import hoeffding_log10, log10_tail, saddlepoint_log10, z_at
+from wm3d.stats.weights import unit_weights
+
+
+def all_sums(b):
+    sums = np.zeros(1)
+    for weight in b:
+        sums = np.concatenate([sums - weight, sums + weight])
+    return np.sort(sums)
+
+
+def enumerated(b, z):
+    """Log10 of the share of all keys that reach z, from the sums of two halves of b."""
+    first, second = all_sums(b[::2]), all_sums(b[1::2])
+    limits = np.atleast_1d(z) * np.linalg.norm(b) - 1e-10
+    counts = [(second.size - np.searchsorted(second, limit - first)).sum() for limit in limits]
+    return np.log10(counts) - len(b) * math.log10(2)
+
+
+def lugannani_rice(b, z):
+    """Log10 of the formula in 60 digits."""
+    with mpmath.workdps(60):
+        size = [abs(mpmath.mpf(x)) for x in b]
+        scale = mpmath.sqrt(mpmath.fsum(x * x for x in size))
+        a, z = [x / scale for x in size], mpmath.mpf(z)
+        theta = mpmath.findroot(
+            lambda t: mpmath.fsum(x * mpmath.tanh(t * x) for x in a) - z,
+            (z, 1.1 * z),
+            tol=mpmath.mpf(10) ** -80,
+        )
+        k = mpmath.fsum(mpmath.log(mpmath.cosh(theta * x)) for x in a)
+        k2 = mpmath.fsum((x * mpmath.sech(theta * x)) ** 2 for x in a)
+        r, u = mpmath.sqrt(2 * (theta * z - k)), theta * mpmath.sqrt(k2)
+        return mpmath.log10(mpmath.erfc(r / mpmath.sqrt(2)) / 2 + mpmath.npdf(r) * (1 / u - 1 / r))
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 12, 20])
+@pytest.mark.parametrize("law", ["continuous", "heavy", "three values", "equal"])
+def test_tail_matches_full_enumeration(n, law, rng):
+    b = {
+        "continuous": rng.uniform(0.5, 1, n),
+        "heavy": rng.standard_cauchy(n),
+        "three values": rng.integers(1, 4, n).astype(float),
+        "equal": np.full(n, 0.1),
+    }[law]
+    sums = all_sums(b) / np.linalg.norm(b)
+    z = np.concatenate([np.linspace(sums[0], sums[-1], 60), sums[:: max(1, sums.size // 60)]])
+    np.testing.assert_allclose(log10_tail(b, z), enumerated(b, z), atol=1e-12)
+
+
+# The stated accuracy of the saddlepoint, as the error of log10 P for (P > 0.1, > 1e-3, > 1e-6): few signs
+# and few values are its hard cases. 0.04 is 10 % of P.
+@pytest.mark.parametrize(
+    ("law", "accuracy"),
+    [
+        ("continuous", (0.002, 0.01, 0.06)),
+        ("exponential", (0.002, 0.01, 0.06)),
+        ("two heavy weights", (0.002, 0.01, 0.06)),
+        ("three values", (0.07, 0.2, 0.4)),  # half an atom: the sum is a lattice of integers
+    ],
+)
+def test_saddlepoint_accuracy_at_32_signs(law, accuracy, rng):
+    b = {
+        "continuous": rng.uniform(0.5, 1, 32),
+        "exponential": rng.exponential(1, 32),
+        "two heavy weights": np.append(rng.uniform(0.5, 1, 30), [8.0, 5.0]),
+        "three values": rng.integers(1, 4, 32).astype(float),
+    }[law]
+    z = np.linspace(0, 0.9 * unit_weights(b).sum(), 40)
+    exact = enumerated(b, z)
+    error = np.abs(log10_tail(b, z) - exact)
+    for bound, high, low in zip(accuracy, (0, -1, -3), (-1, -3, -6), strict=True):
+        here = (exact <= high) & (exact > low)
+        assert here.any()
+        assert error[here].max() < bound
+
+
+def test_equal_weights_are_binomial_at_any_length():
+    n, down = 6300, np.array([6300, 3500, 3150, 3000, 2800, 2500])
+    z = (n - 2 * down) / math.sqrt(n)
+    np.testing.assert_allclose(
+        log10_tail(np.full(n, 0.3), z), binom.logcdf(down, n, 0.5) / math.log(10), rtol=1e-9, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("n", "z"),
+    [
+        (400, 1e-5),
+        (400, 1.1e-4),
+        (400, 0.01),
+        (400, 1.0),
+        (400, 4.753),
+        (400, 17.0),
+        (1600, 37.0),
+        (6300, 60.0),
+    ],
+)
+def test_saddlepoint_matches_60_digits_down_to_1e_minus_900(n, z, rng):
+    b = rng.uniform(0.3, 1, n) * rng.choice([-1, 1], n)
+    exact = lugannani_rice(b.tolist(), z)
+    assert saddlepoint_log10(b, z) == pytest.approx(float(exact), rel=1e-10)
+    assert log10_tail(b, z) == saddlepoint_log10(b, z)
+
+
+def test_all_signs_agree_with_probability_two_to_the_minus_n(rng):
+    b = np.append(rng.uniform(0.5, 1, 6300), np.zeros(100))
+    a = unit_weights(b)
+    one_key = -6300 * math.log10(2)
+    assert log10_tail(b, a.sum()) == pytest.approx(one_key, rel=1e-12)
+    assert log10_tail(b, a.sum() - 1.9 * a.min()) == pytest.approx(one_key, rel=1e-12)
+    two_keys = a.sum() - 2.0001 * a.min()
+    assert log10_tail(b, two_keys) == pytest.approx(one_key + math.log10(2), rel=1e-12)
+    assert log10_tail(b, a.sum() * 1.001) == -math.inf
+
+
+def test_lower_half_is_the_complement_of_the_upper(rng):
+    z = np.linspace(0.1, 5, 20)
+    b = rng.exponential(1, 500)
+    np.testing.assert_allclose(10 ** log10_tail(b, z) + 10 ** log10_tail(b, -z), 1, rtol=1e-12)
+    assert log10_tail(b, 0.0) == pytest.approx(math.log10(0.5))
+    assert log10_tail(b, -math.inf) == 0.0
+    assert log10_tail(b, math.inf) == -math.inf
+
+
+def test_tail_falls_with_z_and_stays_below_hoeffding(rng):
+    b = rng.gamma(0.7, 1, 6300)
+    z = np.concatenate([np.linspace(-8, 8, 400), np.linspace(8, 50, 100), 10.0 ** -np.arange(12)])
+    z.sort()
+    tail = log10_tail(b, z)
+    assert (np.diff(tail) <= 0).all()
+    assert (tail <= hoeffding_log10(b, z)).all()
+    assert hoeffding_log10(b, 3.0) == pytest.approx(math.log10(math.exp(-4.5)))
+    assert hoeffding_log10(b, -3.0) == 0.0
+
+
+def test_tail_depends_only_on_the_shape_of_b(rng):
+    b = rng.exponential(1, 300)
+    z = np.array([[-1.0, 0.5], [3.0, 9.0]])
+    tail = log10_tail(b, z)
+    assert tail.shape == (2, 2)
+    for other in (-b, b * 1e-250, b * 1e250, b[::-1], np.append(b, np.zeros(50))):
+        np.testing.assert_allclose(log10_tail(other, z), tail, rtol=1e-11)
+    assert log10_tail(b, 3.0) == pytest.approx(tail[1, 0], rel=1e-13)
+
+
+@pytest.mark.parametrize("log10_pf", [-0.1, -6.0, -12.0, -400.0])
+def test_threshold_inverts_the_tail(log10_pf, rng):
+    b = rng.exponential(1, 6300)
+    assert log10_tail(b, z_at(b, log10_pf)) == pytest.approx(log10_pf, abs=1e-8)
+
+
+def test_threshold_of_a_discrete_sum_keeps_pf():
+    ones = np.ones(10)
+    z = z_at(ones, math.log10(0.02))  # 11 of 1024 keys have at least 9 signs up, 56 at least 8
+    assert 6 / math.sqrt(10) < z < 6.001 / math.sqrt(10)
+    assert 10 ** log10_tail(ones, z) == pytest.approx(11 / 1024)
+    assert 10 ** log10_tail(ones, z_at(ones, -10 * math.log10(2))) == pytest.approx(2**-10)  # the least Pf
+    assert z_at(ones, -3.0104) == math.inf
+    assert z_at(np.zeros(4), -1.0) == math.inf
+
+
+def test_bad_thresholds_are_named():
+    with pytest.raises(Wm3dError, match="NaN"):
+        log10_tail(np.ones(3), math.nan)
+    with pytest.raises(Wm3dError, match="below 1"):
+        z_at(np.ones(3), 0.0)
+    with pytest.raises(Wm3dError, match="saddlepoint"):
+        saddlepoint_log10(np.ones(4), 2.0)
