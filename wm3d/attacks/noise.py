@@ -35,6 +35,7 @@ class GaussianNoise(Attack):
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         """Return the noisy mesh; see `Attack`."""
-        sigma = self.sigma_percent / 100 * mesh.diagonal
-        noise = rng.standard_normal(mesh.vertices.shape)
-        return mesh.with_vertices(mesh.vertices + sigma * noise)
+        vertices = rng.standard_normal(mesh.vertices.shape)
+        vertices *= self.sigma_percent / 100 * mesh.diagonal
+        vertices += mesh.vertices
+        return mesh.with_vertices(vertices)

@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from wm3d.arrays import FloatArray as FloatArray
 from wm3d.arrays import IntArray as IntArray
 from wm3d.errors import Wm3dError
+from wm3d.mesh import kernels
 
 #: Largest coordinate, and one over the least extent: their fifth powers, as in volume moments, stay finite.
 LARGEST = 1e50
@@ -58,10 +60,10 @@ class Mesh:
             raise Wm3dError(f"{self.name}: vertex {bad} has a coordinate that is NaN or infinite.")
         if self.vertices.size == 0:
             return
-        largest, extent = np.abs(self.vertices).max(), np.ptp(self.vertices, axis=0).max()
-        if largest > LARGEST:
+        low, high = self._bounds
+        if (largest := max(-low.min(), high.max())) > LARGEST:
             raise Wm3dError(f"{self.name}: a coordinate is {largest:g}; rescale it to below {LARGEST:g}.")
-        if extent < 1 / LARGEST:
+        if (high - low).max() < 1 / LARGEST:
             raise Wm3dError(f"{self.name}: all vertices lie in one point, so the mesh has no extent.")
 
     def _check_faces(self) -> None:
@@ -90,10 +92,16 @@ class Mesh:
         mesh._check_vertices()
         return mesh
 
+    @cached_property
+    def _bounds(self) -> tuple[FloatArray, FloatArray]:
+        low, high = kernels.bounds(self.vertices)
+        return low, high
+
     @property
     def diagonal(self) -> float:
         """Length of the diagonal of the axis-aligned bounding box of all vertices."""
-        return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
+        low, high = self._bounds
+        return float(np.linalg.norm(high - low))
 
     def digest(self) -> str:
         """Return the sha256 (hex) of vertices and faces; the name does not count."""
