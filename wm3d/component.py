@@ -58,5 +58,5 @@ def _short(value: Any) -> str:
     if isinstance(value, dict):
         return str(value.get("name", value))
     if isinstance(value, list):
-        return "×".join(_short(item) for item in value)
+        return ("×" if len(value) == 2 else ",").join(_short(item) for item in value)
     return str(value)

@@ -9,16 +9,21 @@ from rich.table import Table
 from wm3d.bench.store import RunDirectory
 from wm3d.stats import DEFAULT_PF
 
+PLAIN_WIDTH = 110
+"""Columns of the table where no terminal sets them."""
+
 DETECTED, LOST = 0.99, 0.5
 """Pd from which a mark counts as surviving an attack, and below which it counts as lost."""
 
 
 def print_summary(directory: RunDirectory) -> None:
     """Print Pd at the false-alarm probability nearest to 1e-6, with its interval and a verdict."""
-    table = pd.read_csv(directory.path / "tables" / "detection.csv", float_precision="round_trip")
+    table = pd.read_csv(directory.path / "tables" / "detection.csv")
     quoted = [float(match[1]) for name in table.columns if (match := re.fullmatch(r"pd_([^_]+)", str(name)))]
     pf = min(quoted, key=lambda value: abs(value / DEFAULT_PF - 1))
     console = Console()
+    if not console.is_terminal:
+        console.width = PLAIN_WIDTH
     for (mesh, scheme), group in table.groupby(["mesh", "scheme"], sort=False):
         output = Table(title=f"{mesh}, {scheme}", title_justify="left", box=None, padding=(0, 1))
         output.add_column("attack")
