@@ -34,6 +34,12 @@ class Cylinder:
     hmax: float
 
     def __post_init__(self) -> None:
+        orthonormal = np.allclose(self.axes @ self.axes.T, np.eye(3))
+        if not (orthonormal and np.allclose(self.axes[2], np.cross(self.axes[1], self.axes[0]))):
+            raise Wm3dError(
+                "the axes of a cylinder must be unit rows s1, s2, s3 at right angles, with s3 = s2 × s1 "
+                "(left-handed)."
+            )
         if not (self.radius > 0 and self.hmax > self.hmin):
             raise Wm3dError(
                 f"a cylinder of radius {self.radius:g} and height {self.hmax - self.hmin:g} is empty; "

@@ -30,8 +30,11 @@ def to_frame(vertices: FloatArray, center: FloatArray, axes: FloatArray) -> Floa
 
 
 @njit(cache=True, error_model="numpy")
-def spread_by_side(vertices: FloatArray, center: FloatArray, axes: FloatArray) -> FloatArray:
-    """Return the mean of ‖v−m‖² over s_k·(v−m) > 0 and over < 0, for k = 1, 2 (eq. 3, squared): (2, 2)."""
+def spread_by_side(vertices: FloatArray, center: FloatArray, axes: FloatArray, slack: float) -> FloatArray:
+    """Return the mean of ‖v−m‖² over s_k·(v−m) > 0 and over < 0, for k = 1, 2 (eq. 3, squared): (2, 2).
+
+    Vertices within `slack` of the plane between the sides count in neither: rounding would deal them out.
+    """
     total = np.zeros((2, 2))
     count = np.zeros((2, 2))
     for i in range(len(vertices)):
@@ -41,7 +44,7 @@ def spread_by_side(vertices: FloatArray, center: FloatArray, axes: FloatArray) -
         square = x * x + y * y + z * z
         for k in range(2):
             along = axes[k, 0] * x + axes[k, 1] * y + axes[k, 2] * z
-            if along != 0.0:
+            if abs(along) > slack:
                 side = 0 if along > 0.0 else 1
                 total[k, side] += square
                 count[k, side] += 1.0

@@ -1,5 +1,6 @@
 """Poses: how a mesh fixes its own reference frame and scanning cylinder, whatever its position and size."""
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -14,8 +15,15 @@ from wm3d.scanner.cylinder import Cylinder
 DEGENERACY = 1e-6
 """Least gap between principal moments, relative to the largest, below which the axes count as undefined."""
 
+FLATNESS = 1e-12
+"""Least principal moment, relative to the largest, below which a mesh counts as flat."""
+
 SYMMETRY = 1e-9
-"""Least relative difference of D_A and D_B (eq. 3) below which the sign of an axis counts as undefined."""
+"""Least relative difference of D_A² and D_B² (eq. 3) below which the sign of an axis counts as undefined.
+
+Also the height above the plane between A and B, relative to the standard deviation along s1, up to which a
+vertex counts in neither set.
+"""
 
 
 class VertexPca(Component):
@@ -30,11 +38,12 @@ class VertexPca(Component):
         ------
         Wm3dError
             If two principal moments are equal (a sphere, a cube, a regular prism), the mesh is mirror
-            symmetric along s1 or s2, or it lies on a straight line: then no rotation-proof frame exists.
+            symmetric along s1 or s2, or it lies in a plane: then no rotation-proof frame exists.
         """
         mean, covariance = vertex_moments(mesh)
-        axes = _principal_axes(covariance, mesh.name)
-        spread = kernels.spread_by_side(mesh.vertices, mean, axes)
+        moments, axes = _principal_axes(covariance, mesh.name)
+        slack = SYMMETRY * math.sqrt(moments[0])
+        spread = kernels.spread_by_side(mesh.vertices, mean, axes, slack)
         for axis in range(2):
             axes[axis] *= _sign(*spread[axis], axis=axis, name=mesh.name)
         axes[2] = np.cross(axes[1], axes[0])
@@ -42,17 +51,22 @@ class VertexPca(Component):
         return Cylinder(mean, axes, radius, hmin, hmax)
 
 
-def _principal_axes(covariance: FloatArray, name: str) -> FloatArray:
-    """Eigenvectors as rows, by falling eigenvalue."""
+def _principal_axes(covariance: FloatArray, name: str) -> tuple[FloatArray, FloatArray]:
+    """Eigenvalues, falling, and eigenvectors as rows."""
     moments, vectors = np.linalg.eigh(covariance)
     moments, vectors = moments[::-1], vectors[:, ::-1]
+    if moments[2] < FLATNESS * moments[0]:
+        raise Wm3dError(
+            f"{name}: all vertices lie in a plane, so the mesh shows the scanner no surface; "
+            "a flat mesh cannot carry this watermark."
+        )
     gaps = (moments[:-1] - moments[1:]) / moments[0]
     if gaps.min() < DEGENERACY:
         raise Wm3dError(
             f"{name}: two principal moments of the vertices are equal (relative gap {gaps.min():.1e}), so "
             "the mesh has no unique axes; a sphere or a regular prism cannot carry this watermark."
         )
-    return np.ascontiguousarray(vectors.T)
+    return moments, np.ascontiguousarray(vectors.T)
 
 
 def _sign(above: float, below: float, *, axis: int, name: str) -> float:
