@@ -74,3 +74,23 @@ def rotation(seed: int) -> FloatArray:
 def inside_out(mesh: Mesh) -> Mesh:
     """Return the same surface with every face wound the other way."""
     return Mesh(mesh.vertices, mesh.faces[:, ::-1], name=mesh.name)
+
+
+def lathe(heights: FloatArray, radii: FloatArray, around: int) -> Mesh:
+    """Closed surface of revolution about the z axis, from pole to pole: both ends of `radii` are 0.
+
+    Ring k has `around` vertices at the angles 2πj/around, at the height and radius k + 1 of the arguments.
+    """
+    angle = 2 * np.pi * np.arange(around) / around
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    rings = [np.column_stack([r * circle, np.full(around, z)]) for z, r in zip(heights, radii, strict=True)]
+    vertices = np.vstack([rings[0][:1], *rings[1:-1], rings[-1][:1]])
+    here, beside = np.arange(around), (np.arange(around) + 1) % around
+    lowest, highest, top = 1 + here, len(vertices) - 1 - around + here, len(vertices) - 1
+    faces = [np.column_stack([np.zeros(around, int), np.roll(lowest, -1), lowest])]
+    for low in range(1, top - around, around):
+        high = low + around
+        faces.append(np.column_stack([low + here, low + beside, high + beside]))
+        faces.append(np.column_stack([low + here, high + beside, high + here]))
+    faces.append(np.column_stack([highest, np.roll(highest, -1), np.full(around, top)]))
+    return Mesh(vertices, np.vstack(faces), name="lathe")
