@@ -52,8 +52,8 @@ def _saddlepoint_block(a: FloatArray, z: FloatArray) -> Saddlepoint:
         step = np.clip((z - slope) / np.maximum(curvature, np.finfo(float).tiny), 0.0, 4 * theta)
         step = np.minimum(step, most - theta)
         theta = theta + step
-        if np.all(step <= 1e-7 * theta):
-            break  # and the error, by quadratic convergence, is below 1e-13 θ
+        if np.all(step <= 1e-5 * theta):
+            break  # and the error, by quadratic convergence, is below 1e-10 θ
     cumulant = _ln_cosh(np.multiply.outer(theta, a)).sum(axis=-1)
     return Saddlepoint(theta, cumulant, _derivatives(a, theta)[1])
 
@@ -72,6 +72,9 @@ def _derivatives(a: FloatArray, theta: FloatArray) -> tuple[FloatArray, FloatArr
 
 def _ln_cosh(x: FloatArray) -> FloatArray:
     """Ln cosh x for x ≥ 0 with full relative accuracy at both ends."""
+    if x.max(initial=0.0) < 3:  # twice as fast, but 1 − tanh² loses its digits beyond
+        t: FloatArray = np.tanh(x)
+        return -0.5 * np.log1p(-t * t)
     near: FloatArray = np.minimum(x, 20.0)  # beyond 20, ln cosh grows by exactly x in double precision
     return (x - near) + np.log1p(0.5 * np.expm1(-near) ** 2 * np.exp(near))
 
