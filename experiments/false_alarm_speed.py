@@ -29,7 +29,10 @@ def main(trials: int, loop_trials: int, threads: int) -> None:
 
     limit = z[0] * np.linalg.norm(b)
     start = time.perf_counter()
-    hits = sum(b @ rng.choice([-1.0, 1.0], SIGNS) >= limit for _ in range(loop_trials))
+    hits = 0
+    for _ in range(loop_trials):
+        w = 2.0 * rng.integers(0, 2, SIGNS, dtype=np.int8) - 1.0  # faster than rng.choice
+        hits += b @ w >= limit
     loop_rate = loop_trials / (time.perf_counter() - start)
 
     print(f"{SIGNS} signs; null: uniform keys; statistic: sum b w / sqrt(sum b^2)")
