@@ -79,7 +79,8 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         try:
             return cls.model_validate({**parameters, "name": name})
         except ValidationError as error:
-            raise Wm3dError(f"{self.kind} {name}: {describe(error, cls)}.") from None
+            faults = describe(error, cls)
+            raise Wm3dError(f"{self.kind} {name}: {faults}" + "." * (not faults.endswith("?"))) from None
 
 
 def component_name(cls: type[Component]) -> str:
@@ -98,6 +99,8 @@ def _describe_one(fault: Any, cls: type[Component]) -> str:
         near = difflib.get_close_matches(path, cls.model_fields, n=1)
         known = ", ".join(field for field in cls.model_fields if field != "name") or "none"
         return f"unknown parameter {path!r}, " + (f"did you mean {near[0]!r}?" if near else f"known: {known}")
+    if fault["type"] == "union_tag_invalid":
+        return f"{path} has the unknown name {fault['ctx']['tag']!r}, known: {fault['ctx']['expected_tags']}"
     message = fault["msg"].removeprefix("Value error, ")
     message = message[:1].lower() + message[1:]
     return f"{path} = {fault['input']!r}: {message}" if path else message

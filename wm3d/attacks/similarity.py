@@ -1,9 +1,9 @@
 """Random similarity transforms: rotation, translation, uniform scale."""
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 from scipy.spatial.transform import Rotation
 
 from wm3d.attacks.base import Attack
@@ -30,6 +30,12 @@ class Similarity(Attack):
     min_scale: Annotated[float, Field(gt=0)] = 0.1
     max_scale: Annotated[float, Field(gt=0)] = 10.0
     translation: Annotated[float, Field(ge=0)] = 5.0
+
+    @model_validator(mode="after")
+    def _scales_in_order(self) -> Self:
+        if self.min_scale > self.max_scale:
+            raise ValueError(f"min_scale = {self.min_scale:g} is above max_scale = {self.max_scale:g}")
+        return self
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         """Return the transformed mesh; see `Attack`."""

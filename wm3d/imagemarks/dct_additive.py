@@ -11,6 +11,11 @@ from wm3d.imagemarks.blocks import AC, BLOCK, block_all, block_dct, inverse_bloc
 from wm3d.imagemarks.detectors import Detector, GgdLrt
 from wm3d.stats import RademacherSum
 
+MAX_ALPHA = 1e50
+"""Largest α: its fourth power, in the likelihood of a generalized Gaussian of shape 4, is still finite."""
+
+Alpha = Annotated[float, Field(gt=0, le=MAX_ALPHA)]
+
 
 class DctAdditive(Component):
     """c' = c + α w on the AC coefficients of 8×8 blocks, w = ±1 from the key.
@@ -24,7 +29,7 @@ class DctAdditive(Component):
     """
 
     name: Literal["dct-additive"] = "dct-additive"
-    alpha: Annotated[float, Field(gt=0)] = 1.3
+    alpha: Alpha = 1.3
     detector: Detector = GgdLrt()
 
     @staticmethod

@@ -1,8 +1,8 @@
 """Meshes: the immutable triangle mesh, its files, its moments and the registry of named data."""
 
 from wm3d.mesh import datasets
-from wm3d.mesh.files import write_whole
-from wm3d.mesh.io import ENDINGS, load_mesh, save_mesh
+from wm3d.mesh.files import check_target, write_together, write_whole
+from wm3d.mesh.io import ENDINGS, decode_mesh, encode_mesh, load_mesh, save_mesh
 from wm3d.mesh.mesh import FloatArray, IntArray, Mesh
 from wm3d.mesh.moments import (
     VertexMoments,
@@ -22,7 +22,10 @@ __all__ = [
     "Mesh",
     "VertexMoments",
     "VolumeMoments",
+    "check_target",
     "datasets",
+    "decode_mesh",
+    "encode_mesh",
     "is_closed",
     "load_mesh",
     "orientation",
@@ -31,5 +34,6 @@ __all__ = [
     "surface_area",
     "vertex_moments",
     "volume_moments",
+    "write_together",
     "write_whole",
 ]

@@ -1,7 +1,9 @@
-"""Whole files or none: writing through a temporary name in the same folder."""
+"""Whole files or none: writing through temporary names in the same folders."""
 
 import os
 import secrets
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from wm3d.errors import Wm3dError
@@ -20,21 +22,84 @@ def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     Raises
     ------
     Wm3dError
-        If the folder is missing or cannot be written to, if the target is a folder, or if the disk is full.
-        The old file, if any, is then untouched and no partial file stays.
+        As `check_target`, and if the folder cannot be written to or the disk is full. The old file, if any,
+        is then untouched and no partial file stays.
+    """
+    with _staged(path, content) as put_in_place:
+        put_in_place()
+
+
+def write_together(contents: Mapping[Path, bytes]) -> None:
+    """Write several files, each as `write_whole` does, all of them or none.
+
+    Raises
+    ------
+    Wm3dError
+        As `write_whole`, for any of them. All files are then as they were.
+    """
+    with ExitStack() as stack:
+        moves = {path: stack.enter_context(_staged(path, content)) for path, content in contents.items()}
+        for path, put_in_place in moves.items():
+            stack.enter_context(_restored_on_error(Path(os.path.realpath(path))))
+            put_in_place()
+
+
+def check_target(path: str | os.PathLike[str]) -> None:
+    """Check what can be known of a file to be written before its content is made.
+
+    Raises
+    ------
+    Wm3dError
+        If the folder is missing, or the target is itself a folder, a device or a pipe.
     """
     target = Path(os.path.realpath(path))
     if target.is_dir():
         raise Wm3dError(f"{path}: is a folder; name a file to write to.")
+    if target.exists() and not target.is_file():
+        raise Wm3dError(f"{path}: is a device or a pipe; name a file to write to.")
     if not target.parent.is_dir():
-        raise Wm3dError(f"{path}: the folder {target.parent} does not exist; create it first.")
+        problem = "is not a folder" if target.parent.exists() else "does not exist; create it first"
+        raise Wm3dError(f"{path}: the folder {target.parent} {problem}.")
+
+
+@contextmanager
+def _staged(path: str | os.PathLike[str], content: bytes) -> Iterator[Callable[[], None]]:
+    """Hold a content under a temporary name next to its target; the call that is yielded renames it."""
+    check_target(path)
+    target = Path(os.path.realpath(path))
     # not tempfile: its files are readable by their owner alone, and the mode survives the rename
     temporary = target.with_name(f".wm3d-{secrets.token_hex(6)}.tmp")
+
+    def put_in_place() -> None:
+        with _blaming(path):
+            temporary.replace(target)
+
     try:
-        with temporary.open("xb") as stream:
+        with _blaming(path), temporary.open("xb") as stream:
             stream.write(content)
-        temporary.replace(target)
-    except OSError as error:
-        raise Wm3dError(f"{path}: cannot be written ({error.strerror}).") from error
+        yield put_in_place
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def _blaming(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Name the file, as the user named it, in what the operating system reports."""
+    try:
+        yield
+    except OSError as error:
+        raise Wm3dError(f"{path}: cannot be written ({error.strerror}).") from error
+
+
+@contextmanager
+def _restored_on_error(target: Path) -> Iterator[None]:
+    """Bring a file back to what it was, or to its absence, if what follows fails."""
+    old = target.read_bytes() if target.exists() else None
+    try:
+        yield
+    except BaseException:
+        if old is None:
+            target.unlink(missing_ok=True)
+        else:
+            write_whole(target, old)
+        raise

@@ -1,4 +1,7 @@
-"""Mesh files: `load_mesh` and `save_mesh`, which keep every vertex and face in its place."""
+"""Mesh files: `load_mesh` and `save_mesh`, which keep every vertex and face in its place.
+
+`decode_mesh` and `encode_mesh` are the same between bytes and meshes.
+"""
 
 import logging
 import os
@@ -41,8 +44,14 @@ def load_mesh(path: str | os.PathLike[str], name: str | None = None) -> Mesh:
         If the file is missing, not readable, empty, of an unknown or another format, damaged or cut short, or
         if what it holds is not a `Mesh`: no faces, NaN or infinite coordinates, faces out of range.
     """
+    _ending(path)  # an unknown format is the better reason to give than a missing file
+    return decode_mesh(_content(path), path, name)
+
+
+def decode_mesh(content: bytes, path: str | os.PathLike[str], name: str | None = None) -> Mesh:
+    """Return the mesh that `load_mesh` would read from a file of this content and path; errors alike."""
     title = Path(path).stem if name is None else name
-    vertices, faces = _parsed(path, _ending(path))
+    vertices, faces = _parsed(content, path, _ending(path))
     try:
         return Mesh(vertices, faces, name=title)
     except Wm3dError as error:
@@ -67,13 +76,17 @@ def save_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> None:
     Wm3dError
         If the ending is unknown, the folder is missing or not writable, or float32 would spoil the mesh.
     """
+    write_whole(path, encode_mesh(mesh, path))
+
+
+def encode_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> bytes:
+    """Return the content that `save_mesh` would write to a file of this path; errors alike."""
     writer = WRITERS[_ending(path)]
     try:
         with _quiet():
-            content = writer(mesh)
+            return writer(mesh)
     except ValueError as error:
         raise Wm3dError(f"{path}: cannot be written; {error}.") from error
-    write_whole(path, content)
 
 
 def _ending(path: str | os.PathLike[str]) -> str:
@@ -100,8 +113,7 @@ def _content(path: str | os.PathLike[str]) -> bytes:
     return content
 
 
-def _parsed(path: str | os.PathLike[str], ending: str) -> Arrays:
-    content = _content(path)
+def _parsed(content: bytes, path: str | os.PathLike[str], ending: str) -> Arrays:
     try:
         with _quiet():
             return READERS[ending](content)

@@ -2,4 +2,6 @@
 
 from wm3d.metrics.snr import snr
 
-__all__ = ["snr"]
+METRICS = {"snr": snr}
+
+__all__ = ["METRICS", "snr"]

@@ -10,6 +10,8 @@ from wm3d.scanner.cylinder import Cylinder
 from wm3d.scanner.pose import VertexPca
 
 MAX_GRID = 1 << 15
+DEFAULT_GRID = (84, 84)
+"""(N_v, N_u) of the paper's rabbit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +37,7 @@ class RangeImage:
         return columns, rows
 
 
-def scan(mesh: Mesh, grid: tuple[int, int] = (84, 84), cylinder: Cylinder | None = None) -> RangeImage:
+def scan(mesh: Mesh, grid: tuple[int, int] = DEFAULT_GRID, cylinder: Cylinder | None = None) -> RangeImage:
     """Scan a mesh with a virtual cylindrical scanner.
 
     The ray of row u and column v starts on the wall at m + (hmin + (u + ½) h / N_u) s1 + r e_v(v), runs

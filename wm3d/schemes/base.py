@@ -1,6 +1,5 @@
 """What every scheme offers: embed, score, and a strength that can be set from a wanted distortion."""
 
-import math
 from abc import ABC, abstractmethod
 from typing import ClassVar, Self
 
@@ -14,6 +13,9 @@ from wm3d.stats import RademacherSum, Score, key_signs
 
 SNR_TOLERANCE = 1e-6
 """How near `Scheme.at_snr` comes to the wanted SNR, in dB."""
+
+SNR_REACH = 600.0
+"""Change of SNR in dB beyond which `Scheme.at_snr` does not look: float64 coordinates span some 300 dB."""
 
 
 class Scheme(Component, ABC):
@@ -83,7 +85,7 @@ class Scheme(Component, ABC):
             miss = snr(mesh, scheme.embed(mesh, seed)[0]) - decibels
             if abs(miss) <= SNR_TOLERANCE:
                 return scheme
-            if not math.isfinite(miss):
+            if not abs(miss) < SNR_REACH:  # also NaN, and an SNR of ∞ where no vertex moves
                 break
             value = getattr(scheme, self.strength) * 10 ** (miss / 20)  # exact where moves are proportional
             scheme = scheme.model_copy(update={self.strength: value})

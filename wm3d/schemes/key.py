@@ -42,8 +42,12 @@ class Key:
         Wm3dError
             If the file cannot be written.
         """
+        write_whole(path, self.encode())
+
+    def encode(self) -> bytes:
+        """Return the content of a key file."""
         content = {"format": FORMAT, "seed": self.seed, "scheme": self.scheme.model_dump(mode="json")}
-        write_whole(path, (json.dumps(content, indent=2) + "\n").encode())
+        return (json.dumps(content, indent=2) + "\n").encode()
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Key":
@@ -58,7 +62,7 @@ class Key:
             content = json.loads(Path(path).read_bytes())
         except OSError as error:
             raise Wm3dError(f"{path}: cannot be read ({error.strerror}).") from None
-        except ValueError:
+        except (ValueError, RecursionError):
             raise Wm3dError(f"{path}: is not a key file: it holds no JSON.") from None
         try:
             return cls._from_json(content)

@@ -9,6 +9,7 @@ from wm3d.arrays import BoolArray, FloatArray
 from wm3d.errors import Wm3dError
 from wm3d.imagemarks import DctAdditive, Detector, GgdLrt
 from wm3d.imagemarks.blocks import BLOCK, block_all
+from wm3d.imagemarks.dct_additive import Alpha
 from wm3d.mesh import Mesh
 from wm3d.scanner import Cylinder, RangeImage, VertexPca
 from wm3d.scanner.scan import MAX_GRID, scan_posed
@@ -46,7 +47,7 @@ class Song2002(Scheme):
 
     grid: tuple[GridSize, GridSize] = (84, 84)
     region: tuple[Index, Index, BlockMultiple, BlockMultiple] = (2, 0, 80, 80)
-    alpha: Annotated[float, Field(gt=0)] = 1.3
+    alpha: Alpha = 1.3
     miss: Literal["far-wall", "exclude"] = "far-wall"
     normalize: Literal["region", "image"] = "region"
     detector: Detector = GgdLrt()

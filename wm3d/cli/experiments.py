@@ -1,0 +1,70 @@
+"""`wm3d run` and `wm3d report`: experiments from a config, and their tables and figures."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def run(
+    config: Annotated[
+        Path, typer.Argument(metavar="CONFIG.yaml", help="What to run; see the folder configs.")
+    ],
+    *,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Run directory.", show_default="runs/ and the name in the config"),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, help="Local processes.", show_default="one for each processor"),
+    ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Dask scheduler to use instead of local processes."),
+    ] = None,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PATH=VALUE",
+            help="Change one field of the config, such as trials=10; repeatable.",
+        ),
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and run nothing.")] = False,
+) -> None:
+    """Run an experiment, then report it.
+
+    What an earlier run of the same experiment left in the directory is kept, so a run that was stopped goes
+    on where it stopped. Exit status 1: some trials failed.
+
+    Example: wm3d run configs/quickstart.yaml
+
+    Example: wm3d run configs/quickstart.yaml --set trials=10 --out try
+    """
+    from wm3d.bench import run_config
+
+    outcome = run_config(
+        config, out=out, workers=workers, dask=dask, overrides=overrides or [], dry_run=dry_run
+    )
+    if dry_run:
+        return
+    typer.echo(outcome.directory)
+    if outcome.failed:
+        typer.echo(f"wm3d: {outcome.directory}: {outcome.failed} trials failed.", err=True)
+        raise typer.Exit(1)
+
+
+def report(
+    directory: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="What `wm3d run` printed.")],
+) -> None:
+    """Write the tables and figures of a run again.
+
+    They follow from the rows that the run stored; nothing is run.
+
+    Example: wm3d report runs/quickstart
+    """
+    from wm3d.bench import write_report
+
+    write_report(directory)
+    typer.echo(directory)

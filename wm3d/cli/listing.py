@@ -1,0 +1,152 @@
+"""`wm3d list` and `wm3d data`: what can be named in configs and on the command line."""
+
+import inspect
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
+
+import typer
+
+if TYPE_CHECKING:
+    from wm3d.component import Component
+
+Kind = Literal["schemes", "attacks", "detectors", "metrics", "poses"]
+UNBOUNDED = 10_000
+"""Columns of output that is not a terminal: lines are not wrapped."""
+
+data = typer.Typer(help="Named meshes: list, download, find them.", no_args_is_help=False)
+
+
+def list_components(
+    kind: Annotated[
+        Kind, typer.Argument(metavar="KIND", help="schemes, attacks, detectors, metrics or poses.")
+    ],
+) -> None:
+    """List what configs and commands can name.
+
+    A line holds the name, the parameters with their defaults, and what it is. Where a parameter is one of a
+    few words, the default stands first.
+
+    Example: wm3d list attacks
+    """
+    if kind == "metrics":
+        from wm3d.metrics import METRICS
+
+        rows = [
+            (name, " ".join(inspect.signature(metric).parameters), _summary(metric))
+            for name, metric in METRICS.items()
+        ]
+    else:
+        rows = [(name, _parameters(cls), _summary(cls)) for name, cls in _components(kind).items()]
+    _print_table(("NAME", "PARAMETERS", "WHAT IT IS"), rows)
+
+
+@data.command("list")
+def data_list() -> None:
+    """List the named meshes.
+
+    A line holds the name, the size where it is known, whether the mesh is on this machine, and its source.
+
+    Mesh files in the folder that the environment variable WM3D_DATA names are listed by their name without
+    ending, and win over entries of the same name.
+    """
+    from wm3d.mesh import datasets
+
+    rows = [
+        (
+            info.name,
+            "" if info.vertices is None else str(info.vertices),
+            "" if info.faces is None else str(info.faces),
+            "yes" if info.available else "no",
+            info.source,
+        )
+        for info in datasets.info()
+    ]
+    _print_table(("NAME", "VERTICES", "FACES", "HERE", "SOURCE"), rows)
+
+
+Name = Annotated[str, typer.Argument(metavar="NAME", help="One of `wm3d data list`.")]
+
+
+@data.command("fetch")
+def data_fetch(name: Name) -> None:
+    """Download a mesh, or compute it; print its file.
+
+    A mesh that is on this machine already is not fetched again. Files are kept in the user's cache folder, or
+    in the folder that the environment variable WM3D_CACHE names.
+
+    Example: wm3d data fetch bunny-zipper
+    """
+    from wm3d.mesh import datasets
+
+    file = datasets.fetch(name)
+    info = datasets.describe(name)
+    typer.echo(file)
+    for label, text in (("credit", info.credit), ("terms", info.terms)):
+        if text:
+            typer.echo(f"{label}: {text}", err=True)
+
+
+@data.command("path")
+def data_path(name: Name) -> None:
+    """Print the file of a mesh; no network is used."""
+    from wm3d.mesh import datasets
+
+    typer.echo(datasets.path(name))
+
+
+def _components(kind: str) -> "Mapping[str, type[Component]]":
+    from wm3d.attacks import ATTACKS
+    from wm3d.imagemarks import DETECTORS
+    from wm3d.scanner import POSES
+    from wm3d.schemes import SCHEMES
+
+    tables: dict[str, Mapping[str, type[Component]]] = {
+        "schemes": SCHEMES,
+        "attacks": ATTACKS,
+        "detectors": DETECTORS,
+        "poses": POSES,
+    }
+    return tables[kind]
+
+
+def _summary(documented: object) -> str:
+    return (inspect.getdoc(documented) or "").partition("\n")[0]
+
+
+def _parameters(cls: "type[Component]") -> str:
+    """Write name=default for each parameter, and the other words where only some are allowed."""
+    texts = []
+    for name, field in cls.model_fields.items():
+        if name != "name":
+            default = "?" if field.is_required() else _text(field.default)
+            words = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
+            others = [f"|{word}" for word in words if str(word) != default]
+            texts.append(f"{name}={default}" + "".join(others))
+    return " ".join(texts)
+
+
+def _text(default: Any) -> str:
+    """Write a default as the user would behind `param=`."""
+    if isinstance(default, str):
+        return default
+    name = getattr(default, "name", None)  # a component as a parameter
+    return str(name) if name else json.dumps(default, separators=(",", ":"))
+
+
+def _print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print columns: wrapped to the width of a terminal, else one line a row for other programs to read."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Column, Table
+
+    terminal = sys.stdout.isatty()
+    columns = [Column(title, overflow="fold") for title in header]
+    table = Table(*columns, box=box.SIMPLE_HEAD if terminal else None, pad_edge=False, padding=(0, 2, 0, 0))
+    for row in rows:
+        table.add_row(*row)
+    console = Console(width=None if terminal else UNBOUNDED, highlight=False, markup=False)
+    with console.capture() as printed:
+        console.print(table)
+    typer.echo("\n".join(line.rstrip() for line in printed.get().rstrip().split("\n")))

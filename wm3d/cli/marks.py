@@ -1,0 +1,181 @@
+"""`wm3d embed` and `wm3d detect`: mark one mesh, and look for a mark in one mesh."""
+
+import json
+import math
+import os
+import secrets
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wm3d.cli.options import Late, Parameters, SourceMesh, assignments, grid_size, read_mesh, region_corners
+from wm3d.errors import Wm3dError
+
+if TYPE_CHECKING:
+    from wm3d.stats import Score
+
+SEED_BITS = 128
+"""Size of the random secret of `embed`: beyond any search, and short enough to copy."""
+
+
+def _default_scheme() -> str:
+    from wm3d.api import DEFAULT_SCHEME
+
+    return DEFAULT_SCHEME
+
+
+def _default_pf() -> str:
+    from wm3d.stats import DEFAULT_PF
+
+    return f"{DEFAULT_PF:g}"
+
+
+def embed(
+    source: SourceMesh,
+    target: Annotated[Path, typer.Argument(metavar="OUT", help="Marked mesh; its ending names the format.")],
+    pairs: Parameters = None,
+    *,
+    key: Annotated[
+        Path,
+        typer.Option(metavar="KEY.json", help="Where the key is written: the secret and the parameters."),
+    ],
+    scheme: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="One of `wm3d list schemes`.", default_factory=Late(_default_scheme)
+        ),
+    ],
+    seed: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="The secret, below 2^256.", show_default=f"{SEED_BITS} random bits"),
+    ] = None,
+    alpha: Annotated[
+        float | None,
+        typer.Option(metavar="A", help="Strength of the mark.", show_default="the scheme's"),
+    ] = None,
+    snr: Annotated[
+        float | None,
+        typer.Option(metavar="DB", help="Find the strength that gives this SNR in dB, instead of --alpha."),
+    ] = None,
+    grid: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NVxNU", help="Columns around x rows along the axis.", show_default="the scheme's"
+        ),
+    ] = None,
+    region: Annotated[
+        str | None,
+        typer.Option(
+            metavar="U0,V0,NU,NV",
+            help="Marked rectangle of the grid: first row, first column, rows, columns.",
+            show_default="the scheme's",
+        ),
+    ] = None,
+) -> None:
+    """Mark a mesh and write its key.
+
+    What detection finds in the file as written is printed. Both OUT and KEY.json are written, or neither;
+    existing files are replaced. Detection needs the key and nothing else: keep it, and keep it secret.
+
+    Example: wm3d embed bunny marked.ply --key key.json --snr 44
+
+    Example: wm3d embed horse.ply marked.ply --key key.json miss=exclude
+    """
+    from wm3d.api import embed as mark
+    from wm3d.mesh import check_target, decode_mesh, encode_mesh, write_together
+    from wm3d.metrics import snr as measured_snr
+    from wm3d.schemes import SCHEMES
+
+    if alpha is not None and snr is not None:
+        raise Wm3dError("--alpha and --snr both set the strength of the mark; give one of them.")
+    parameters = assignments(
+        pairs or (),
+        alpha=alpha,
+        grid=None if grid is None else grid_size(grid),
+        region=None if region is None else region_corners(region),
+    )
+    chosen = SCHEMES.build(scheme, parameters)
+    _keep_apart(key, source, target)
+    for file in (target, key):
+        check_target(file)
+    mesh = read_mesh(source)
+    secret = secrets.randbits(SEED_BITS) if seed is None else seed
+    marked, its_key = mark(mesh, seed=secret, scheme=chosen, snr=snr)
+    content = encode_mesh(marked, target)
+    score = its_key.score(decode_mesh(content, target, name=str(target)))
+    write_together({target: content, key: its_key.encode()})
+
+    typer.echo(f"{source} -> {target}: {its_key.scheme.label()}, SNR {measured_snr(mesh, marked):.2f} dB")
+    typer.echo(f"detection in {target}: {_evidence(score)}")
+    typer.echo(f"key: {key}")
+    if not score.detected():
+        typer.echo(
+            f"wm3d: {target}: the mark in the written file is too weak to be detected at Pf = "
+            f"{_default_pf()}; choose another strength or region.",
+            err=True,
+        )
+
+
+def detect(
+    mesh: Annotated[str, typer.Argument(metavar="MESH", help="Mesh file, or a name of `wm3d data list`.")],
+    *,
+    key: Annotated[Path, typer.Option(metavar="KEY.json", help="The key that `wm3d embed` wrote.")],
+    pf: Annotated[
+        float,
+        typer.Option(
+            metavar="PF",
+            help="False-alarm probability: a p-value at or below it is a detection.",
+            default_factory=Late(_default_pf),
+        ),
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Look for the mark of a key in a mesh.
+
+    The original mesh is not needed. The p-value is the probability that a random key does as well as this one
+    on the same mesh. Exit status 0: the mark is found; 1: it is not.
+
+    The object of --json has the fields detected, p_value, log10_p, z, statistic, threshold_pf, scheme, mesh.
+    A p-value below 1e-323 prints as 0 while log10_p still tells it; log10_p is null where p itself is 0.
+
+    Example: wm3d detect suspect.ply --key key.json --pf 1e-8
+    """
+    from wm3d.registry import component_name
+    from wm3d.schemes import Key
+
+    its_key = Key.load(key)
+    score = its_key.score(read_mesh(mesh))
+    detected = score.detected(pf)
+    if as_json:
+        found = {
+            "detected": detected,
+            "p_value": score.p_value,
+            "log10_p": score.log10_p if math.isfinite(score.log10_p) else None,
+            "z": score.z,
+            "statistic": score.statistic,
+            "threshold_pf": pf,
+            "scheme": component_name(type(its_key.scheme)),
+            "mesh": mesh,
+        }
+        typer.echo(json.dumps(found, allow_nan=False))
+    else:
+        verdict = "carries the mark" if detected else "shows no mark"
+        typer.echo(f"{mesh} {verdict} of {key} at Pf = {pf:g}: {_evidence(score)}")
+        if score.null.log10_p_least > math.log10(pf):
+            typer.echo(
+                "Not even the right key could reach this Pf: too few coefficients of the mesh are read."
+            )
+    if not detected:
+        raise typer.Exit(1)
+
+
+def _evidence(score: "Score") -> str:
+    return f"z = {score.z:.2f}, log10 p = {score.log10_p:.2f}"
+
+
+def _keep_apart(key: Path, source: str, target: Path) -> None:
+    """Refuse a key that would overwrite a mesh."""
+    for mesh in (source, target):
+        if os.path.realpath(key) == os.path.realpath(mesh):
+            raise Wm3dError(f"{key}: is the key and a mesh as well; give the key a name of its own.")

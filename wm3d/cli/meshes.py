@@ -1,0 +1,131 @@
+"""`wm3d attack` and `wm3d scan`: distort one mesh, and show what the virtual scanner sees of one mesh."""
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wm3d.cli.options import Late, Parameters, SourceMesh, assignments, grid_size, read_mesh
+from wm3d.errors import Wm3dError
+
+if TYPE_CHECKING:
+    from wm3d.scanner import RangeImage
+
+
+def _default_grid() -> str:
+    from wm3d.scanner.scan import DEFAULT_GRID
+
+    return "{}x{}".format(*DEFAULT_GRID)
+
+
+def _default_pose() -> str:
+    from wm3d.scanner import POSES
+
+    return next(iter(POSES))
+
+
+def attack(
+    source: SourceMesh,
+    target: Annotated[
+        Path, typer.Argument(metavar="OUT", help="Attacked mesh; its ending names the format.")
+    ],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="One of `wm3d list attacks`.")],
+    pairs: Parameters = None,
+    *,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the attack's random draws.")] = 0,
+) -> None:
+    """Attack a mesh as experiments do.
+
+    The same seed gives the same mesh.
+
+    Example: wm3d attack marked.ply noisy.ply gaussian-noise percent=0.6
+
+    Example: wm3d attack marked.ply half.ply simplify simplifier=clustering
+    """
+    import numpy as np
+
+    from wm3d.attacks import ATTACKS, GaussianNoise
+    from wm3d.mesh import check_target, save_mesh
+
+    chosen = ATTACKS.build(name, assignments(pairs or ()))
+    check_target(target)
+    mesh = read_mesh(source)
+    attacked = chosen(mesh, np.random.default_rng(seed))
+    save_mesh(attacked, target)
+    typer.echo(f"{source} -> {target}: {chosen.label()}")
+    typer.echo(f"vertices {len(mesh.vertices)} -> {len(attacked.vertices)}")
+    typer.echo(f"faces    {len(mesh.faces)} -> {len(attacked.faces)}")
+    if isinstance(chosen, GaussianNoise):
+        typer.echo(f"sigma per axis: {chosen.sigma_percent:.4g} % of the diagonal of the bounding box")
+
+
+def scan(
+    source: SourceMesh,
+    target: Annotated[
+        Path,
+        typer.Argument(
+            metavar="OUT", help="OUT.png, a picture, or OUT.npy, ranges in mesh units as float64 (N_u, N_v)."
+        ),
+    ],
+    *,
+    grid: Annotated[
+        str,
+        typer.Option(
+            metavar="NVxNU",
+            help="Columns around x rows along the axis.",
+            default_factory=Late(_default_grid),
+        ),
+    ],
+    pose: Annotated[
+        str,
+        typer.Option(metavar="NAME", help="One of `wm3d list poses`.", default_factory=Late(_default_pose)),
+    ],
+) -> None:
+    """Draw or store the range image of a mesh.
+
+    The picture has the columns around the axis from left to right and the rows along it from bottom to top,
+    ranges in units of the cylinder's radius r, and rays that meet nothing in grey. In the .npy file row 0 is
+    the bottom row and such rays are NaN.
+
+    Example: wm3d scan bunny bunny.png --grid 360x240
+    """
+    import numpy as np
+
+    from wm3d.mesh import check_target, write_whole
+    from wm3d.scanner import POSES
+    from wm3d.scanner import scan as scan_mesh
+
+    ending = target.suffix.lower()
+    if ending not in (".png", ".npy"):
+        raise Wm3dError(f"{target}: a range image is written as .png or .npy; give one of these endings.")
+    if pose not in POSES:
+        raise Wm3dError(f"--pose {pose}: there is no such pose; known: {', '.join(POSES)}.")
+    size = grid_size(grid)
+    check_target(target)
+    mesh = read_mesh(source)
+    image = scan_mesh(mesh, size, POSES[pose]()(mesh))
+    missed = float(np.isnan(image.ranges).mean())
+    if missed == 1:
+        raise Wm3dError(f"{source}: no ray meets a face from the front; the mesh must enclose its own axis.")
+    content = _picture(image, Path(source).name) if ending == ".png" else _array(image)
+    write_whole(target, content)
+    cylinder = image.cylinder
+    typer.echo(
+        f"{source} -> {target}: {size[0]} columns x {size[1]} rows, {missed:.1%} of the rays meet nothing"
+    )
+    typer.echo(f"cylinder: r = {cylinder.radius:.6g}, h = {cylinder.height:.6g} in mesh units")
+
+
+def _picture(image: "RangeImage", title: str) -> bytes:
+    from wm3d.cli.picture import range_picture
+
+    return range_picture(image, title)
+
+
+def _array(image: "RangeImage") -> bytes:
+    import numpy as np
+
+    stream = io.BytesIO()
+    np.save(stream, image.ranges, allow_pickle=False)
+    return stream.getvalue()
