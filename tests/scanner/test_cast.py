@@ -110,3 +110,11 @@ def test_far_wall_is_seen_from_inside_only_where_it_faces_the_ray():
     # beside the axis: rays that start on the far side cross the axis first and meet the shape beyond it
     image = scan(moved(box((1, 1, 2)), (1.5, 0, 0)), (4, 3), upright(3, -1, 1))
     np.testing.assert_allclose(image.ranges, np.tile([1.0, np.nan, 4.0, np.nan], (3, 1)), atol=1e-15)
+
+
+@pytest.mark.parametrize("columns", [4, 8, 12])
+def test_rays_along_the_axes_are_exact(columns):
+    cosine, sine = kernels.directions(columns)
+    quarters = slice(None, None, columns // 4)
+    assert cosine[quarters].tolist() == [1, 0, -1, 0]
+    assert sine[quarters].tolist() == [0, 1, 0, -1]
