@@ -3,7 +3,8 @@
 import numpy as np
 import trimesh
 
-from wm3d.mesh.mesh import FloatArray, Mesh
+from wm3d.arrays import FloatArray
+from wm3d.mesh.mesh import Mesh
 
 
 def tetrahedron() -> Mesh:

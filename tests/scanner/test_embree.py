@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from wm3d.mesh import FloatArray, IntArray, Mesh, orientation
+from wm3d.arrays import FloatArray, IntArray
+from wm3d.mesh import Mesh, orientation
 from wm3d.scanner import VertexPca, scan
 from wm3d.scanner.kernels import directions
 

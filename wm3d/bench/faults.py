@@ -102,7 +102,8 @@ def _sentence(fault: Any, path: tuple[Step, ...], model: type[BaseModel]) -> str
         return f"{fault['input']!r} must consist of lower-case letters, digits and hyphens"
     if kind in ("too_short", "too_long"):
         bound = context.get("min_length", context.get("max_length"))
-        return f"must have {bound} {'or more ' if kind == 'too_short' else ''}items, not {context['actual_length']}"
+        more = "or more " if kind == "too_short" else ""
+        return f"must have {bound} {more}items, not {context['actual_length']}"
     message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
     return message if isinstance(fault["input"], dict) else f"{fault['input']!r} {message}"
 

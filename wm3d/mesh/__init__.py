@@ -3,7 +3,7 @@
 from wm3d.mesh import datasets
 from wm3d.mesh.files import check_target, write_together, write_whole
 from wm3d.mesh.io import ENDINGS, decode_mesh, encode_mesh, load_mesh, save_mesh
-from wm3d.mesh.mesh import FloatArray, IntArray, Mesh
+from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.moments import (
     VertexMoments,
     VolumeMoments,
@@ -17,8 +17,6 @@ from wm3d.mesh.moments import (
 
 __all__ = [
     "ENDINGS",
-    "FloatArray",
-    "IntArray",
     "Mesh",
     "VertexMoments",
     "VolumeMoments",

@@ -17,7 +17,8 @@ from trimesh.exchange.ply import load_ply
 from trimesh.exchange.stl import load_stl
 from trimesh.geometry import triangulate_quads
 
-from wm3d.mesh.mesh import FloatArray, IntArray, Mesh
+from wm3d.arrays import FloatArray, IntArray
+from wm3d.mesh.mesh import Mesh
 
 Arrays = tuple[FloatArray, IntArray]
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wm3d.arrays import FloatArray as FloatArray
-from wm3d.arrays import IntArray as IntArray
+from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
 from wm3d.mesh import kernels
 

@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
 from wm3d.mesh import kernels
-from wm3d.mesh.mesh import FloatArray, Mesh
+from wm3d.mesh.mesh import Mesh
 
 
 class VertexMoments(NamedTuple):

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from wm3d.arrays import FloatArray
 from wm3d.stats.importance import DEFAULT_RELATIVE_ERROR, ImportanceEstimate, importance_sampling
 from wm3d.stats.montecarlo import DEFAULT_TRIALS, Exceedances, hadamard_keys, independent_keys
 from wm3d.stats.tail import hoeffding_log10, log10_tail
-from wm3d.stats.weights import FloatArray, checked_weights
+from wm3d.stats.weights import checked_weights
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtri
 
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
 from wm3d.stats.intervals import DEFAULT_CONFIDENCE
 from wm3d.stats.saddlepoint import LN10, saddlepoint
-from wm3d.stats.weights import FloatArray, checked_thresholds, tie_slack, unit_weights
+from wm3d.stats.weights import checked_thresholds, tie_slack, unit_weights
 
 DEFAULT_RELATIVE_ERROR = 0.02
 """Relative standard error that a run aims at, unless the caller names another."""

@@ -3,12 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import betaincinv, stdtrit
 
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
-
-FloatArray = NDArray[np.float64]
 
 DEFAULT_CONFIDENCE = 0.95
 """Confidence of every interval, unless the caller names another."""

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
 from wm3d.stats.intervals import DEFAULT_CONFIDENCE, Interval, korn_graubard, quoted
 from wm3d.stats.kernels import LANES, MIN_ORDER, hadamard_exceedances
 from wm3d.stats.rademacher import key_signs_batch
-from wm3d.stats.weights import FloatArray, checked_thresholds, tie_slack, unit_weights
-
-IntArray = NDArray[np.int64]
+from wm3d.stats.weights import checked_thresholds, tie_slack, unit_weights
 
 DEFAULT_TRIALS = 10**8
 """Hadamard keys in a run, unless the caller names another number: what the paper reached, in a second."""

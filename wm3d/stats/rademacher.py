@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from wm3d.arrays import FloatArray, SignArray
 from wm3d.errors import Wm3dError
 from wm3d.stats.tail import log10_tail
-from wm3d.stats.weights import FloatArray, checked_weights, norm
+from wm3d.stats.weights import checked_weights, norm
 
 DEFAULT_PF = 1e-6
 """The false-alarm probability at which a mark counts as found, unless the caller names another."""
@@ -110,7 +111,7 @@ class Score:
         return self.log10_p <= math.log10(pf)
 
 
-def key_signs(seed: int, n: int) -> NDArray[np.int8]:
+def key_signs(seed: int, n: int) -> SignArray:
     """Return the watermark w of a seed: n independent uniform signs.
 
     Parameters
@@ -136,11 +137,11 @@ def key_signs(seed: int, n: int) -> NDArray[np.int8]:
     releases; it does not guarantee the methods of `numpy.random.Generator`, and a key must outlive them.
     A longer key starts with the shorter key of the same seed.
     """
-    signs: NDArray[np.int8] = key_signs_batch([seed], n)[0]
+    signs: SignArray = key_signs_batch([seed], n)[0]
     return signs
 
 
-def key_signs_batch(seeds: Iterable[int], n: int) -> NDArray[np.int8]:
+def key_signs_batch(seeds: Iterable[int], n: int) -> SignArray:
     """Return the watermarks of many seeds, one row each: row i equals ``key_signs(seeds[i], n)``.
 
     Parameters
@@ -164,5 +165,5 @@ def key_signs_batch(seeds: Iterable[int], n: int) -> NDArray[np.int8]:
     for row, seed in zip(words, seeds, strict=True):
         row[:] = np.random.PCG64(np.random.SeedSequence(seed)).random_raw(row.size)
     bits = np.unpackbits(words.view(np.uint8), axis=1, count=n, bitorder="little")
-    signs: NDArray[np.int8] = 2 * bits.view(np.int8) - 1
+    signs: SignArray = 2 * bits.view(np.int8) - 1
     return signs

@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri_exp
 
+from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
 from wm3d.stats.intervals import DEFAULT_CONFIDENCE, clopper_pearson, quoted
 from wm3d.stats.saddlepoint import LN10
-from wm3d.stats.weights import FloatArray
-
-IntArray = NDArray[np.int64]
 
 QUOTED_LOG10_PF = (-3.0, -6.0, -8.0, -12.0)
 """Where tables give Pd: log10 of the false-alarm probabilities."""

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erfcx
 
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
-from wm3d.stats.weights import FloatArray, checked_thresholds, tie_slack, unit_weights
+from wm3d.stats.weights import checked_thresholds, tie_slack, unit_weights
 
 LN10 = math.log(10.0)
 

@@ -8,9 +8,10 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import gammaln, logsumexp
 
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
 from wm3d.stats.saddlepoint import LN10, saddlepoint_tail
-from wm3d.stats.weights import FloatArray, checked_thresholds, checked_weights, tie_slack, unit_weights
+from wm3d.stats.weights import checked_thresholds, checked_weights, tie_slack, unit_weights
 
 LOG10_2 = math.log10(2.0)
 _COUNTED_SIGNS = 24  # their 2^24 sums are counted as two sorted halves of 2^12

@@ -1,11 +1,10 @@
 """Weights and thresholds of a Rademacher sum, checked and brought to unit variance."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
-
-FloatArray = NDArray[np.float64]
 
 _TIE = 1e-12  # share of the largest sum
 
