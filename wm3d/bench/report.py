@@ -1,19 +1,38 @@
-"""Reports: tables and figures from the rows of a run directory; runs nothing."""
+"""Reports: tables, figures and report.html from the rows of a run directory; runs nothing."""
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from wm3d.bench import figures
-from wm3d.bench.config import Experiment, load_experiment
+from wm3d.bench.config import load_experiment
+from wm3d.bench.html import Run, render
 from wm3d.bench.store import RunDirectory
 from wm3d.bench.tables import all_tables
 from wm3d.errors import Wm3dError
 
 
-def write_report(run_dir: str | Path) -> int:
-    """Write tables and figures from the cells that the manifest lists.
+@dataclass(frozen=True)
+class Report:
+    """What a report left behind.
+
+    Attributes
+    ----------
+    page : Path
+        report.html.
+    failed : int
+        Trials whose attack failed.
+    """
+
+    page: Path
+    failed: int
+
+
+def write_report(run_dir: str | Path) -> Report:
+    """Write tables, figures and report.html from the cells that the manifest lists.
 
     Parameters
     ----------
@@ -21,8 +40,7 @@ def write_report(run_dir: str | Path) -> int:
 
     Returns
     -------
-    int
-        Number of trials whose attack failed.
+    Report
 
     Raises
     ------
@@ -30,26 +48,60 @@ def write_report(run_dir: str | Path) -> int:
         If this is not a run directory, or a cell is missing or damaged.
     """
     directory = RunDirectory(run_dir)
-    experiment, rows = read_run(directory)
-    directory.write_tables(all_tables(rows, experiment.pf))
-    if (rows["hypothesis"] == "H1").any():
-        figures.save(figures.roc_figure(rows), directory, "roc")
-    return int(rows["log10_p"].isna().sum())
-
-
-def read_run(directory: RunDirectory) -> tuple[Experiment, pd.DataFrame]:
-    """Return the config and all rows of a run, in plan order."""
-    try:
-        listed = json.loads((directory.path / "manifest.json").read_text())["cells"]
-    except (OSError, ValueError, KeyError, TypeError):
-        raise Wm3dError(f"{directory.path}: is not the directory of a finished run (no manifest).") from None
+    manifest = read_manifest(directory)
     experiment = load_experiment(directory.path / "config.yaml")
+    rows = read_rows(directory, manifest["cells"])
+    directory.create()  # a copy of a run may lack its empty folders
+    tables = all_tables(rows, experiment.pf)
+    directory.write_tables(tables)
+    drawn = figures.roc_figures(rows, {name: mesh["credit"] for name, mesh in manifest["meshes"].items()})
+    saved = {name: figures.save(figure, directory, name) for name, figure in drawn.items()}
+    run = Run(
+        experiment=experiment,
+        config=(directory.path / "config.yaml").read_text(),
+        manifest=manifest,
+        rows=rows,
+        tables=tables,
+        figures={name: figures.inline_svg(svg, name) for name, svg in saved.items()},
+    )
+    directory.write_text("report.html", render(run))
+    return Report(directory.path / "report.html", int(rows["log10_p"].isna().sum()))
+
+
+def read_manifest(directory: RunDirectory) -> dict[str, Any]:
+    """Return the manifest of a run.
+
+    Raises
+    ------
+    Wm3dError
+        If there is none, or it is not one.
+    """
+    try:
+        manifest: dict[str, Any] = json.loads((directory.path / "manifest.json").read_text())
+        missing = {"meshes", "cells"} - manifest.keys()
+    except (OSError, ValueError, AttributeError):
+        raise Wm3dError(f"{directory.path}: is not the directory of a finished run (no manifest).") from None
+    if missing:
+        raise Wm3dError(
+            f"{directory.path}: its manifest lacks {', '.join(sorted(missing))}; run the config again."
+        )
+    return manifest
+
+
+def read_rows(directory: RunDirectory, cells: list[str]) -> pd.DataFrame:
+    """Return the rows of cells, in their order.
+
+    Raises
+    ------
+    Wm3dError
+        If a cell is missing or damaged, or there is none.
+    """
     parts = []
-    for digest in listed:
+    for digest in cells:
         rows = directory.read_cell(digest)
         if rows is None:
             raise Wm3dError(f"{directory.cell_path(digest)}: is missing; run the config again to restore it.")
         parts.append(rows)
     if not parts:
         raise Wm3dError(f"{directory.path}: holds no finished cells.")
-    return experiment, pd.concat(parts, ignore_index=True)
+    return pd.concat(parts, ignore_index=True)

@@ -80,7 +80,7 @@ def run_config(
         lost = _run_missing(cells, meshes, directory, workers or default_workers(), dask)
         stored = [cell for cell in cells if directory.cell_path(cell.digest).exists()]
         directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost))
-        failed = write_report(directory.path)
+        failed = write_report(directory.path).failed
         print_summary(directory)
     return Outcome(directory.path, lost + failed)
 

@@ -1,0 +1,175 @@
+"""The report: one file, nothing from outside, every table, honest words; made from rows alone."""
+
+import base64
+import json
+import re
+from datetime import UTC, datetime
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from shapes import tetrahedron
+
+from wm3d.attacks import ATTACKS
+from wm3d.bench import load_experiment, write_report
+from wm3d.bench.figures import roc_figures
+from wm3d.bench.manifest import manifest
+from wm3d.bench.plan import plan
+from wm3d.bench.readings import readings
+from wm3d.bench.store import RunDirectory
+from wm3d.bench.trial import COLUMNS
+from wm3d.errors import Wm3dError
+from wm3d.schemes import SCHEMES
+
+CONFIG = """
+name: made-up
+title: A run that was <b>made up</b>
+trials: 8
+cases:
+  - meshes: [{mesh}]
+    schemes: [{{name: song2002}}]
+attacks: [{{name: clean}}, {{name: similarity}}, {{name: gaussian-noise}}, {{name: simplify}}]
+"""
+Z = {"clean": 30.0, "similarity": 30.0, "gaussian-noise": 4.5, "simplify": -1.0}
+"""Mean score after each attack: found, found, found at times at Pf = 1e-6 (z 4.75), lost."""
+
+
+def made_up_run(path: Path, mesh: str = "bunny", scheme: str = "song2002") -> RunDirectory:
+    """Run directory with invented rows: eight keys an attack, spread by 1 around `Z`, two wrong keys each."""
+    directory = RunDirectory(path)
+    directory.create()
+    directory.write_text("config.yaml", CONFIG.format(mesh=json.dumps(mesh)))
+    experiment = load_experiment(path / "config.yaml")
+    meshes = {mesh: tetrahedron()}
+    cells = plan(experiment, meshes)
+    for cell in cells:
+        common = {column: "" if kind == "str" else 1 for column, kind in COLUMNS.items()}
+        common |= {"mesh": mesh, "scheme": scheme, "attack": cell.attack.label()}
+        rows = []
+        for trial in range(cell.start, cell.stop):
+            z = Z[cell.attack.name] + (trial - 3.5) / 3.5
+            rows.append(common | scored("H1", trial, z))
+            rows += [common | scored("H0-wrong-key", 2 * trial + i, 0.2 * trial - i) for i in (0, 1)]
+        directory.write_cell(cell.digest, pd.DataFrame(rows).astype(COLUMNS))
+    started = datetime(2002, 12, 9, tzinfo=UTC)
+    directory.write_text("manifest.json", manifest(experiment, meshes, cells, started, 0))
+    return directory
+
+
+def scored(hypothesis: str, trial: int, z: float) -> dict[str, object]:
+    # near enough to the Gaussian tail for z > 1
+    return {"hypothesis": hypothesis, "trial": trial, "z": z, "log10_p": min(0.0, -0.25 * z * abs(z))}
+
+
+class Page(HTMLParser):
+    """Tags, attributes and text of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str]] = []
+        self.words: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes += [(name, value or "") for name, value in attrs]
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> RunDirectory:
+    directory = made_up_run(tmp_path_factory.mktemp("run"))
+    write_report(directory.path)
+    return directory
+
+
+@pytest.fixture(scope="module")
+def page(run: RunDirectory) -> Page:
+    return Page((run.path / "report.html").read_text())
+
+
+def test_report_refers_to_nothing_outside_itself(run: RunDirectory, page: Page) -> None:
+    text = (run.path / "report.html").read_text()
+    links = [
+        value for name, value in page.attributes if name in ("src", "href", "xlink:href", "srcset", "data")
+    ]
+    assert len(links) > 10
+    assert {link for link in links if not link.startswith(("#", "data:"))} == set()
+    assert "@import" not in text
+    assert re.findall(r"url\((?!#)", text) == []
+    assert not {"link", "iframe", "object", "embed", "base"} & set(page.tags)
+    ids = [value for name, value in page.attributes if name == "id"]
+    assert {link[1:] for link in links if link.startswith("#")} <= set(ids)
+
+
+def test_every_table_can_be_had_from_the_report(run: RunDirectory, page: Page) -> None:
+    held = {
+        base64.b64decode(value.partition("base64,")[2]) for name, value in page.attributes if name == "href"
+    }
+    tables = list((run.path / "tables").glob("*.csv"))
+    assert len(tables) >= 5
+    assert {table.read_bytes() for table in tables} <= held
+
+
+def test_summary_says_what_survives_with_intervals(page: Page) -> None:
+    # 8 of 8: 95 % Clopper-Pearson from 0.025^(1/8) = 0.63; 3 of 8 of the noisy lie above the threshold
+    assert (
+        "At Pf = 10⁻⁶ the mark survives clean and similarity (Pd 1.00, 95 % interval 0.63–1.00 each)."
+        in page.text
+    )
+    assert "It is lost to gaussian-noise 0.6 rms-vector (Pd 0.38, 95 % interval 0.09–0.76) and" in page.text
+    assert "Stanford Computer Graphics Laboratory" in page.text
+
+
+def test_names_are_text_and_never_markup(tmp_path: Path) -> None:
+    hostile = '<script>alert(1)</script><img src=x onerror="alert(2)"> $\\frac{$ &amp;'
+    directory = made_up_run(tmp_path, mesh=hostile, scheme=hostile)
+    write_report(directory.path)
+    page = Page((tmp_path / "report.html").read_text())
+    assert page.tags.count("script") == 1
+    assert "img" not in page.tags
+    assert not [name for name, _ in page.attributes if name.startswith("on")]
+    assert "".join(page.words).count(hostile) >= 5
+    assert "<b>made up</b>" in page.text
+
+
+def test_report_is_the_same_bytes_each_time(run: RunDirectory) -> None:
+    files = ["report.html", "figures/roc.png", "figures/roc.svg", "tables/detection.csv"]
+    first = [(run.path / file).read_bytes() for file in files]
+    write_report(run.path)
+    assert [(run.path / file).read_bytes() for file in files] == first
+
+
+def test_roc_steps_exactly_at_the_p_values() -> None:
+    log10_p = [-7.0, -3.5, -1.0, -20.0]
+    rows = pd.DataFrame(
+        {"mesh": "m", "scheme": "s", "attack": "a", "hypothesis": "H1", "z": 1.0, "log10_p": log10_p}
+    )
+    curve = roc_figures(rows, {})["roc"].axes[0].lines[0]
+    np.testing.assert_array_equal(
+        curve.get_xydata(), [[-8, 0.25], [-7, 0.5], [-3.5, 0.75], [-1, 1.0], [0, 1.0]]
+    )
+    assert curve.get_drawstyle() == "steps-post"
+
+
+def test_every_reading_of_the_built_in_components_is_explained() -> None:
+    components = [cls() for registry in (SCHEMES, ATTACKS) for cls in registry.values()]
+    found = {reading.parameter: reading for reading in readings(components)}
+    assert {"miss", "normalize", "shape", "amplitude", "simplifier"} <= found.keys()
+    assert [name for name, reading in found.items() if len(reading.meaning) < 20] == []
+    assert found["amplitude"].choices == ("rms-vector", "per-axis")
+    assert found["amplitude"].used == ("rms-vector",)
+
+
+def test_directory_that_is_no_run_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(Wm3dError, match=r"^[^\n]*is not the directory of a finished run[^\n]*\.$"):
+        write_report(tmp_path / "nowhere")

@@ -1,0 +1,135 @@
+"""What a run found, in a form to put into sentences: what survived, what was lost, what the null is."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from wm3d.bench.config import Experiment
+from wm3d.bench.summary import DETECTED, LOST
+from wm3d.component import Component
+from wm3d.stats import DEFAULT_PF
+
+FOUND, AT_TIMES, GONE, UNTRIED = "found", "found at times", "lost", "not tried"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Pd of one attack at the quoted Pf, with its interval and the word for it."""
+
+    attack: str
+    pd: float
+    low: float
+    high: float
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Case:
+    """The findings on one mesh with one scheme, in the order of the config."""
+
+    mesh: str
+    scheme: str
+    findings: list[Finding]
+
+    def groups(self, verdict: str) -> list[list[Finding]]:
+        """Return the findings of a verdict; those with the same numbers together."""
+        groups: dict[tuple[float, float, float], list[Finding]] = {}
+        for finding in self.findings:
+            if finding.verdict == verdict:
+                groups.setdefault((finding.pd, finding.low, finding.high), []).append(finding)
+        return list(groups.values())
+
+
+def quoted_pf(pf: Sequence[float]) -> float:
+    """Return the false-alarm probability nearest to `DEFAULT_PF` among those that the tables quote."""
+    return min(pf, key=lambda value: abs(math.log(value / DEFAULT_PF)))
+
+
+def cases(detection: pd.DataFrame, pf: float) -> list[Case]:
+    """Return what the detection table says at one of its Pf."""
+    return [
+        Case(str(mesh), str(scheme), [_finding(line, pf) for line in group.to_dict("records")])
+        for (mesh, scheme), group in detection.groupby(["mesh", "scheme"], sort=False)
+    ]
+
+
+def _finding(line: Mapping[Any, Any], pf: float) -> Finding:
+    share, low, high = (float(line[f"pd_{pf:g}{end}"]) for end in ("", "_low", "_high"))
+    if not line["trials"]:
+        verdict = UNTRIED
+    else:
+        verdict = FOUND if share >= DETECTED else GONE if share < LOST else AT_TIMES
+    return Finding(str(line["attack"]), share, low, high, verdict)
+
+
+@dataclass(frozen=True)
+class Statistic:
+    """How a scheme scores a key.
+
+    Attributes
+    ----------
+    scheme : str
+        Its label.
+    source : str
+        First line of its documentation.
+    detector : str
+        Label of its detector; empty where it has none of its own.
+    meaning : str
+        First line of the documentation of the detector.
+    signs : int
+        n, the signs in a key.
+    log10_least : float
+        log10 of the least Pf that any detector of n signs attains: one key among 2^n.
+    """
+
+    scheme: str
+    source: str
+    detector: str
+    meaning: str
+    signs: int
+    log10_least: float
+
+
+def statistics(experiment: Experiment) -> list[Statistic]:
+    """Return the statistic of each scheme of an experiment."""
+    schemes = dict.fromkeys(scheme for case in experiment.cases for scheme in case.schemes)
+    found = []
+    for scheme in schemes:
+        detector = getattr(scheme, "detector", None)
+        if not isinstance(detector, Component):
+            detector = None
+        found.append(
+            Statistic(
+                scheme=scheme.label(),
+                source=_first_line(scheme),
+                detector=detector.label() if detector else "",
+                meaning=_first_line(detector) if detector else "",
+                signs=scheme.capacity,
+                log10_least=-scheme.capacity * math.log10(2),
+            )
+        )
+    return found
+
+
+def _first_line(component: object) -> str:
+    return (type(component).__doc__ or "").partition("\n")[0].rstrip(".")
+
+
+def null_scores(rows: pd.DataFrame) -> dict[str, int]:
+    """Return how many scores without the mark the run holds, by hypothesis."""
+    null = rows[rows["hypothesis"].str.startswith("H0") & rows["log10_p"].notna()]
+    return {str(name): int(count) for name, count in null["hypothesis"].value_counts(sort=False).items()}
+
+
+def faults(rows: pd.DataFrame) -> list[dict[str, object]]:
+    """Return the errors of a run: attack, what it said, how often, and whether the trial still counts."""
+    failed = rows[rows["error"] != ""]
+    groups = failed.groupby(["mesh", "scheme", "attack", "error"], sort=False)["log10_p"]
+    return [
+        dict(zip(("mesh", "scheme", "attack", "error"), names, strict=True))
+        | {"trials": len(scores), "counted": bool(scores.notna().all())}
+        for names, scores in groups
+    ]

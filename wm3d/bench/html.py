@@ -1,0 +1,127 @@
+"""The report as one HTML file that opens offline: figures, tables, readings, config, provenance."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+from scipy.stats import norm
+
+from wm3d.bench import findings
+from wm3d.bench.config import Experiment
+from wm3d.bench.figures import LEAST_LOG10_PF, power_of_ten
+from wm3d.bench.htmltables import html_table, short_power, shortener
+from wm3d.bench.readings import readings
+from wm3d.bench.summary import DETECTED
+
+HYPOTHESES = {
+    "H0-wrong-key": "scores of keys that were never embedded, on the marked and attacked meshes",
+    "H0-unmarked": "scores of the trials' keys on the unmarked mesh after the same attack",
+}
+"""What the scores without the mark are, by hypothesis; others are called by their name."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """All that a report is made from.
+
+    Attributes
+    ----------
+    experiment : Experiment
+    config : str
+        The config as run, YAML.
+    manifest : mapping
+        Content of manifest.json.
+    rows : DataFrame
+    tables : mapping of str to DataFrame
+        By file name without ending.
+    figures : mapping of str to str
+        SVG elements by name.
+    """
+
+    experiment: Experiment
+    config: str
+    manifest: Mapping[str, Any]
+    rows: pd.DataFrame
+    tables: Mapping[str, pd.DataFrame]
+    figures: Mapping[str, str]
+
+
+def render(run: Run) -> str:
+    """Return the report of a run; the same run gives the same text."""
+    experiment = run.experiment
+    pf = findings.quoted_pf(experiment.pf)
+    schemes = dict.fromkeys(scheme for case in experiment.cases for scheme in case.schemes)
+    return (
+        _environment()
+        .get_template("report.html")
+        .render(
+            title=experiment.title or experiment.name,
+            experiment=experiment,
+            config=run.config,
+            manifest=run.manifest,
+            pf=pf,
+            z_at_pf=float(norm.isf(pf)),
+            least_log10_pf=LEAST_LOG10_PF,
+            detected=DETECTED,
+            cases=findings.cases(run.tables["detection"], pf),
+            statistics=findings.statistics(experiment),
+            null_scores=findings.null_scores(run.rows),
+            faults=findings.faults(run.rows),
+            figures={name: Markup(svg) for name, svg in run.figures.items()},
+            tables=[html_table(name, table) for name, table in run.tables.items() if name != "timing"],
+            timing=html_table("timing", run.tables["timing"]),
+            stages=_stages(run.tables["timing"]),
+            readings=readings([*schemes, *experiment.attacks]),
+            hypotheses=HYPOTHESES,
+        )
+    )
+
+
+def _stages(timing: pd.DataFrame) -> list[dict[str, Any]]:
+    """Lines of the bar chart of times: seconds of each stage, and their share of the longest line."""
+    stages = [str(column) for column in timing.columns if str(column).endswith("_seconds")]
+    longest = timing[stages].sum(axis=1).max()
+    short = shortener(pd.Series([longest]))
+    lines = []
+    for line in timing.to_dict("records"):
+        bars = [(stage.removesuffix("_seconds"), line[stage], line[stage] / longest) for stage in stages]
+        label = ", ".join(str(line[key]) for key in ("mesh", "scheme", "attack"))
+        lines.append(
+            {"label": label, "attack": line["attack"], "bars": bars, "total": short(sum(b[1] for b in bars))}
+        )
+    return lines
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("wm3d.bench"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "power": short_power,
+        "power_of_ten": power_of_ten,
+        "code_spans": _code_spans,
+        "whole": lambda number: f"{number:,}".replace(",", "\u202f"),
+        "time": lambda text: datetime.fromisoformat(text).strftime("%Y-%m-%d %H:%M:%S %Z"),
+        "listed": _listed,
+    }
+    return environment
+
+
+def _code_spans(text: str) -> Markup:
+    """Turn the backquotes of docstrings into code elements."""
+    return Markup(re.sub(r"(`+)(.+?)\1", r"<code>\2</code>", str(escape(text))))
+
+
+def _listed(words: list[str]) -> Markup:
+    """Join words as code elements: a, b and c."""
+    spans = [Markup("<code>{}</code>").format(word) for word in words]
+    return Markup(", ").join(spans[:-1]) + Markup(" and ") + spans[-1] if len(spans) > 1 else spans[0]
