@@ -48,7 +48,6 @@ def test_run_hands_its_options_on_and_tells_failures(
         )
     ]
     assert outcome.status == status
-    assert outcome.stdout == "runs/tiny\n"
     assert outcome.stderr == ("wm3d: runs/tiny: 3 trials failed.\n" if failed else "")
 
 
@@ -65,10 +64,11 @@ def test_plan_run_and_report(wm3d: Run, files: Path, out: Path) -> None:
     assert not (out / "run").exists()
     done = wm3d(*arguments)
     assert done.status == 0
-    assert done.stdout.endswith(f"{out / 'run'}\n")
     tables = {file: file.read_bytes() for file in (out / "run" / "tables").iterdir()}
     assert tables
     for file in tables:
         file.unlink()
-    assert wm3d("report", out / "run").status == 0
+    outcome = wm3d("report", out / "run")
+    assert outcome.status == 0
+    assert Path(outcome.stdout.removesuffix("\n")).is_file()
     assert {file: file.read_bytes() for file in (out / "run" / "tables").iterdir()} == tables

@@ -47,18 +47,15 @@ def run(
     outcome = run_config(
         config, out=out, workers=workers, dask=dask, overrides=overrides or [], dry_run=dry_run
     )
-    if dry_run:
-        return
-    typer.echo(outcome.directory)
     if outcome.failed:
         typer.echo(f"wm3d: {outcome.directory}: {outcome.failed} trials failed.", err=True)
         raise typer.Exit(1)
 
 
 def report(
-    directory: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="What `wm3d run` printed.")],
+    directory: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="What `wm3d run` wrote.")],
 ) -> None:
-    """Write the tables and figures of a run again.
+    """Write the tables, figures and page of a run again.
 
     They follow from the rows that the run stored; nothing is run.
 
@@ -66,5 +63,4 @@ def report(
     """
     from wm3d.bench import write_report
 
-    write_report(directory)
-    typer.echo(directory)
+    typer.echo(write_report(directory).page)
