@@ -14,12 +14,12 @@ from shapes import tetrahedron
 
 from wm3d.attacks import ATTACKS
 from wm3d.bench import load_experiment, write_report
+from wm3d.bench.columns import TRIALS
 from wm3d.bench.figures import roc_figures
 from wm3d.bench.manifest import manifest
 from wm3d.bench.plan import plan
 from wm3d.bench.readings import readings
 from wm3d.bench.store import RunDirectory
-from wm3d.bench.trial import COLUMNS
 from wm3d.errors import Wm3dError
 from wm3d.schemes import SCHEMES
 
@@ -45,14 +45,14 @@ def made_up_run(path: Path, mesh: str = "bunny", scheme: str = "song2002") -> Ru
     meshes = {mesh: tetrahedron()}
     cells = plan(experiment, meshes)
     for cell in cells:
-        common = {column: "" if kind == "str" else 1 for column, kind in COLUMNS.items()}
+        common = {column: "" if kind == "str" else 1 for column, kind in TRIALS.items()}
         common |= {"mesh": mesh, "scheme": scheme, "attack": cell.attack.label()}
         rows = []
         for trial in range(cell.start, cell.stop):
             z = Z[cell.attack.name] + (trial - 3.5) / 3.5
             rows.append(common | scored("H1", trial, z))
             rows += [common | scored("H0-wrong-key", 2 * trial + i, 0.2 * trial - i) for i in (0, 1)]
-        directory.write_cell(cell.digest, pd.DataFrame(rows).astype(COLUMNS))
+        directory.write_cell(cell.digest, pd.DataFrame(rows).astype(TRIALS))
     started = datetime(2002, 12, 9, tzinfo=UTC)
     directory.write_text("manifest.json", manifest(experiment, meshes, cells, started, 0))
     return directory

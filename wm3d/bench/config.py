@@ -65,8 +65,10 @@ class Experiment(_Strict):
         Independent wrong keys scored on each attacked marked mesh.
     unmarked : bool
         Whether each trial's key is also scored on the unmarked mesh after the same attack.
+    cross_meshes : tuple of str
+        Other meshes, named as in `Case`, on which each trial's key is scored after the same attack.
     false_alarm_trials : int
-        Hadamard keys for the Monte Carlo false-alarm curve of each mesh, scheme and attack.
+        Random keys drawn for the Monte Carlo false-alarm curve of each mesh, scheme and attack; 0 for none.
     pf : tuple of float
         False-alarm probabilities at which tables quote Pd.
     cases : tuple of Case
@@ -80,6 +82,7 @@ class Experiment(_Strict):
     block: Annotated[int, Field(ge=1)] = 10
     wrong_keys: Annotated[int, Field(ge=0)] = 10
     unmarked: bool = False
+    cross_meshes: tuple[str, ...] = ()
     false_alarm_trials: Annotated[int, Field(ge=0)] = 0
     pf: Annotated[tuple[Annotated[float, Field(gt=0, lt=1)], ...], Field(min_length=1)] = (
         1e-3,
@@ -89,6 +92,12 @@ class Experiment(_Strict):
     )
     cases: Annotated[tuple[Case, ...], Field(min_length=1)]
     attacks: Annotated[tuple[Annotated[Attack, _OneOf(ATTACKS)], ...], Field(min_length=1)]
+
+    @property
+    def mesh_names(self) -> list[str]:
+        """Every mesh that the experiment needs, once."""
+        marked = [name for case in self.cases for name in case.meshes]
+        return list(dict.fromkeys([*marked, *self.cross_meshes]))
 
 
 def load_experiment(path: str | Path, overrides: list[str] | None = None) -> Experiment:

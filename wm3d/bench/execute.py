@@ -1,29 +1,31 @@
-"""Running tasks on local processes or a Dask cluster; results come back one by one, in any order."""
+"""Running tasks in this process, on local processes or on a Dask cluster; results come in any order."""
 
-import multiprocessing
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 
+import joblib
 import pandas as pd
 from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from wm3d.bench.plan import Task
-from wm3d.bench.trial import run_task
-from wm3d.errors import Wm3dError
+from wm3d.bench.worker import work
 from wm3d.mesh import Mesh
 
-ROUNDS = 2
-"""How often all that is left is tried again together after a worker died; then each task once on its own."""
+Result = tuple[Task, dict[str, pd.DataFrame]]
+
+Run = Callable[[list[Task]], Generator[Result, None, list[Task]]]
+"""Yields each task with its rows; returns the tasks that were being worked on when a worker died."""
 
 
 def execute(
     tasks: list[Task], meshes: Mapping[str, Mesh], workers: int, dask: str | None
-) -> Iterator[tuple[Task, dict[str, pd.DataFrame]]]:
+) -> Iterator[Result]:
     """Yield each task with its rows by cell digest, as they are finished.
 
-    A worker that is killed (by the system when memory runs out, say) costs only the tasks in flight: they are
-    run again. A task whose worker dies even when it runs alone is not yielded.
+    A worker that is killed (by the system when memory runs out, say) costs no more than the tasks in flight.
+    Their cells are run again, first together, then each on its own. A cell whose worker dies even then is
+    not among the results.
 
     Parameters
     ----------
@@ -33,64 +35,69 @@ def execute(
         Local processes; 1 runs everything in this process.
     dask : str or None
         Address of a Dask scheduler to use instead.
+
+    Raises
+    ------
+    Wm3dError
+        If the cluster cannot be used, or a worker runs other versions of the engines.
     """
-    left = list(tasks)
-    for _ in range(ROUNDS):
-        done: list[int] = []
-        try:
-            for index, rows in _parallel(left, meshes, workers, dask):
-                done.append(index)
-                yield left[index], rows
-        except TerminatedWorkerError:
-            pass
-        left = [task for index, task in enumerate(left) if index not in set(done)]
-        if not left:
-            return
-    for task in left:
-        try:
-            for _, rows in _parallel([task], meshes, max(workers, 2), dask):
-                yield task, rows
-        except TerminatedWorkerError:
-            continue
+    with _pool(meshes, workers, dask) as run:
+        suspects = yield from run(tasks)
+        suspects = yield from run([part for task in suspects for part in task.split()])
+        for suspect in suspects:
+            yield from run([suspect])
 
 
-def _parallel(
-    tasks: list[Task], meshes: Mapping[str, Mesh], workers: int, dask: str | None
-) -> Iterator[tuple[int, dict[str, pd.DataFrame]]]:
-    calls = (delayed(_indexed)(index, meshes[task.mesh], task) for index, task in enumerate(tasks))
-    with _backend(workers, dask):
-        yield from Parallel(return_as="generator_unordered")(calls)
-
-
-def _indexed(index: int, mesh: Mesh, task: Task) -> tuple[int, dict[str, pd.DataFrame]]:
-    return index, run_task(mesh, task)
-
-
-def _backend(workers: int, dask: str | None) -> AbstractContextManager[object]:
+def _pool(meshes: Mapping[str, Mesh], workers: int, dask: str | None) -> AbstractContextManager[Run]:
     if dask is not None:
-        _connect(dask)
-        return _config(backend="dask", n_jobs=-1)
-    if workers == 1:
-        return nullcontext()
-    return _config(backend="loky", n_jobs=workers, inner_max_num_threads=1)
+        from wm3d.bench.cluster import on_cluster
+
+        return on_cluster(meshes, dask)
+    return nullcontext(_in_this_process(meshes) if workers == 1 else _on_processes(meshes, workers))
 
 
-def _config(**options: object) -> AbstractContextManager[object]:
-    config: AbstractContextManager[object] = parallel_config(**options)
-    return config
+def _in_this_process(meshes: Mapping[str, Mesh]) -> Run:
+    def run(tasks: list[Task]) -> Generator[Result, None, list[Task]]:
+        for task in tasks:
+            yield task, work(_needed(task, meshes), task)
+        return []
+
+    return run
 
 
-def _connect(address: str) -> None:
-    try:
-        from distributed import Client
-    except ImportError:
-        raise Wm3dError("--dask needs the extra: pip install 'wm3d[dask]'.") from None
-    try:
-        Client(address, timeout="10s")
-    except (OSError, TimeoutError, ValueError) as error:
-        raise Wm3dError(f"--dask {address}: no scheduler answers there ({error}).") from None
+def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
+    def run(tasks: list[Task]) -> Generator[Result, None, list[Task]]:
+        left, suspects = dict(enumerate(tasks)), list[Task]()
+        while left:
+            started: set[int] = set()
+
+            def calls(left: dict[int, Task], started: set[int]) -> Iterator[object]:
+                for index, task in list(left.items()):
+                    started.add(index)
+                    yield delayed(_numbered)(index, _needed(task, meshes), task)
+
+            # one call ahead for each worker: those in flight are the suspects
+            parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
+            try:
+                with parallel_config(backend="loky", n_jobs=workers, inner_max_num_threads=1):
+                    results = parallel(calls(left, started))
+                for index, rows in results:
+                    yield left.pop(index), rows
+            except TerminatedWorkerError:
+                suspects += [left.pop(index) for index in sorted(started & left.keys())]
+        return suspects
+
+    return run
+
+
+def _numbered(index: int, meshes: Mapping[str, Mesh], task: Task) -> tuple[int, dict[str, pd.DataFrame]]:
+    return index, work(meshes, task)
+
+
+def _needed(task: Task, meshes: Mapping[str, Mesh]) -> dict[str, Mesh]:
+    return {name: meshes[name] for name in sorted(task.meshes)}
 
 
 def default_workers() -> int:
-    """Return the number of processors that this machine offers."""
-    return multiprocessing.cpu_count()
+    """Return the number of processors that this process may use."""
+    return int(joblib.cpu_count())

@@ -33,7 +33,7 @@ def manifest(
     started : datetime
         When the run began; it ends now.
     lost_trials : int
-        Trials without rows because their worker died.
+        Attacked meshes without rows because their worker died.
     """
     ended = datetime.now(UTC)
     content: dict[str, Any] = {
@@ -50,7 +50,8 @@ def manifest(
         "versions": _versions(),
         "meshes": {name: _mesh_entry(name, mesh) for name, mesh in meshes.items()},
         "lost_trials": lost_trials,
-        "cells": [cell.digest for cell in cells],
+        "cells": [cell.digest for cell in cells if cell.kind == "trials"],
+        "false_alarm_cells": [cell.digest for cell in cells if cell.kind == "false-alarms"],
     }
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
 

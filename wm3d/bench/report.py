@@ -1,6 +1,7 @@
 """Reports: tables, figures and report.html from the rows of a run directory; runs nothing."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from wm3d.bench import figures
+from wm3d.bench.columns import FALSE_ALARMS, TRIALS
 from wm3d.bench.config import load_experiment
 from wm3d.bench.html import Run, render
 from wm3d.bench.store import RunDirectory
@@ -51,8 +53,9 @@ def write_report(run_dir: str | Path) -> Report:
     manifest = read_manifest(directory)
     experiment = load_experiment(directory.path / "config.yaml")
     rows = read_rows(directory, manifest["cells"])
+    false_alarms = read_rows(directory, manifest["false_alarm_cells"], FALSE_ALARMS)
     directory.create()  # a copy of a run may lack its empty folders
-    tables = all_tables(rows, experiment.pf)
+    tables = all_tables(rows, experiment.pf, false_alarms)
     directory.write_tables(tables)
     drawn = figures.roc_figures(rows, {name: mesh["credit"] for name, mesh in manifest["meshes"].items()})
     saved = {name: figures.save(figure, directory, name) for name, figure in drawn.items()}
@@ -78,7 +81,7 @@ def read_manifest(directory: RunDirectory) -> dict[str, Any]:
     """
     try:
         manifest: dict[str, Any] = json.loads((directory.path / "manifest.json").read_text())
-        missing = {"meshes", "cells"} - manifest.keys()
+        missing = {"meshes", "cells", "false_alarm_cells"} - manifest.keys()
     except (OSError, ValueError, AttributeError):
         raise Wm3dError(f"{directory.path}: is not the directory of a finished run (no manifest).") from None
     if missing:
@@ -88,20 +91,21 @@ def read_manifest(directory: RunDirectory) -> dict[str, Any]:
     return manifest
 
 
-def read_rows(directory: RunDirectory, cells: list[str]) -> pd.DataFrame:
+def read_rows(directory: RunDirectory, cells: list[str], columns: Mapping[str, str] = TRIALS) -> pd.DataFrame:
     """Return the rows of cells, in their order.
 
     Raises
     ------
     Wm3dError
-        If a cell is missing or damaged, or there is none.
+        If a cell is missing or damaged, or there is none of those that hold trials.
     """
     parts = []
     for digest in cells:
-        rows = directory.read_cell(digest)
+        rows = directory.read_cell(digest, columns)
         if rows is None:
             raise Wm3dError(f"{directory.cell_path(digest)}: is missing; run the config again to restore it.")
         parts.append(rows)
-    if not parts:
+    if columns is TRIALS and not parts:
         raise Wm3dError(f"{directory.path}: holds no finished cells.")
-    return pd.concat(parts, ignore_index=True)
+    none = pd.DataFrame(columns=list(columns)).astype(dict(columns))
+    return pd.concat([part for part in parts if len(part)] or [none], ignore_index=True)

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from wm3d.bench.config import Experiment, load_experiment
+from wm3d.bench.columns import COLUMNS
+from wm3d.bench.config import load_experiment
+from wm3d.bench.estimate import print_estimate
 from wm3d.bench.execute import default_workers, execute
 from wm3d.bench.manifest import manifest
 from wm3d.bench.plan import Cell, plan, tasks
@@ -27,7 +29,7 @@ class Outcome:
     directory : Path
         The run directory.
     failed : int
-        Trials whose attack raised an error, or that were lost with a worker.
+        Attacked meshes whose attack raised an error, or that were lost with a worker.
     """
 
     directory: Path
@@ -58,7 +60,8 @@ def run_config(
     overrides : list of str, optional
         ``path.to.field=value``.
     dry_run : bool
-        Print the plan and run nothing.
+        Print the plan and how long it would take, from one trial of each mesh, scheme and attack; store
+        nothing.
 
     Raises
     ------
@@ -67,17 +70,18 @@ def run_config(
     """
     experiment = load_experiment(path, overrides)
     directory = RunDirectory(out or Path("runs") / experiment.name)
-    names = dict.fromkeys(name for case in experiment.cases for name in case.meshes)
-    meshes = {name: datasets.resolve(name) for name in names}
+    workers = workers or default_workers()
+    meshes = {name: datasets.resolve(name) for name in experiment.mesh_names}
     cells = plan(experiment, meshes)
     if dry_run:
-        _print_plan(experiment, cells, directory)
+        missing = [cell for cell in cells if not _held(cell, directory)]
+        print_estimate(experiment.name, cells, missing, meshes, workers)
         return Outcome(directory.path, 0)
     directory.create()
     with directory.locked():
         started = datetime.now(UTC)
-        directory.write_text("config.yaml", write_yaml(experiment.model_dump(mode="json")))
-        lost = _run_missing(cells, meshes, directory, workers or default_workers(), dask)
+        directory.begin(write_yaml(experiment.model_dump(mode="json")))
+        lost = _run_missing(cells, meshes, directory, workers, dask)
         stored = [cell for cell in cells if directory.cell_path(cell.digest).exists()]
         directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost))
         failed = write_report(directory.path).failed
@@ -107,20 +111,7 @@ def _run_missing(
 
 def _held(cell: Cell, directory: RunDirectory) -> bool:
     try:
-        return directory.read_cell(cell.digest) is not None
+        return directory.read_cell(cell.digest, COLUMNS[cell.kind]) is not None
     except DamagedCellError as error:
         print(error, file=sys.stderr)
         return False
-
-
-def _print_plan(experiment: Experiment, cells: list[Cell], directory: RunDirectory) -> None:
-    """Say what a run would do: cells and trials for each mesh, scheme and attack, and what is there."""
-    print(f"{experiment.name}: {len(cells)} cells into {directory.path}")
-    counts: dict[tuple[str, str, str, str], int] = {}
-    for cell in cells:
-        key = (cell.mesh, cell.scheme.label(), cell.attack.label(), cell.hypothesis)
-        counts[key] = counts.get(key, 0) + cell.stop - cell.start
-    for (mesh, scheme, attack, hypothesis), trials in counts.items():
-        print(f"  {mesh}  {scheme}  {attack}  {hypothesis}: {trials} trials")
-    held = sum(directory.cell_path(cell.digest).exists() for cell in cells)
-    print(f"{held} cells are there already, {len(cells) - held} to run.")

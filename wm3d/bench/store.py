@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from filelock import FileLock, Timeout
 
-from wm3d.bench.trial import COLUMNS
+from wm3d.bench.columns import TRIALS
 from wm3d.errors import Wm3dError
 from wm3d.mesh import write_whole
 
@@ -51,15 +51,26 @@ class RunDirectory:
         Wm3dError
             If another run holds it.
         """
+        lock = FileLock(self.path / ".lock")
         try:
-            with FileLock(self.path / ".lock", timeout=0):
-                yield
+            lock.acquire(timeout=0)
         except Timeout:
             raise Wm3dError(
                 f"{self.path}: another run is writing here; wait for it or choose another --out."
             ) from None
         except OSError as error:
             raise Wm3dError(f"{self.path}: cannot be written to ({error.strerror}).") from None
+        try:
+            yield
+        finally:
+            lock.release()
+
+    def begin(self, config: str) -> None:
+        """Store the config as run; a manifest that speaks of another config goes."""
+        path = self.path / "config.yaml"
+        if path.exists() and path.read_text(encoding="utf-8") != config:
+            (self.path / "manifest.json").unlink(missing_ok=True)
+        self.write_text(path.name, config)
 
     def cell_path(self, digest: str) -> Path:
         """Return where the rows of a cell are kept."""
@@ -73,8 +84,14 @@ class RunDirectory:
         pq.write_table(table, buffer, write_page_checksum=True)
         write_whole(self.cell_path(digest), buffer.getvalue())
 
-    def read_cell(self, digest: str) -> pd.DataFrame | None:
+    def read_cell(self, digest: str, columns: Mapping[str, str] = TRIALS) -> pd.DataFrame | None:
         """Return the rows of a cell, None if there are none yet.
+
+        Parameters
+        ----------
+        digest : str
+        columns : mapping of str to str
+            Types of the columns, from `wm3d.bench.columns`.
 
         Raises
         ------
@@ -88,7 +105,7 @@ class RunDirectory:
             table = pq.read_table(path, page_checksum_verification=True, memory_map=False)
             if (table.schema.metadata or {}).get(CELL_KEY) != digest.encode():
                 raise DamagedCellError(path, "it belongs to another cell")
-            rows: pd.DataFrame = table.to_pandas().astype(COLUMNS)
+            rows: pd.DataFrame = table.to_pandas().astype(dict(columns))
             return rows
         except (pa.ArrowException, OSError, ValueError, KeyError) as error:
             if isinstance(error, DamagedCellError):

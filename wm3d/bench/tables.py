@@ -1,36 +1,50 @@
 """Tables of a run: pure functions of its rows, one line for each mesh, scheme and attack."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import kstest
 
-from wm3d.stats import auc, clopper_pearson, d_prime, eer, roc
+from wm3d.stats import auc, clopper_pearson, d_prime, eer, exceedances, quoted, roc
+
+Line = dict[str, Any]
 
 CELL_KEYS = ["mesh", "scheme", "attack"]
 FLIPPED_DEG = 90.0
 """An axis that turned further than this changed its sign."""
 
+NULL_LEVEL = 0.01
+"""Probability that any line of a table of true nulls is called a departure."""
 
-def all_tables(rows: pd.DataFrame, pf: Sequence[float]) -> dict[str, pd.DataFrame]:
+
+def all_tables(
+    rows: pd.DataFrame, pf: Sequence[float], false_alarms: pd.DataFrame
+) -> dict[str, pd.DataFrame]:
     """Return every table by file name.
 
     Parameters
     ----------
     rows : DataFrame
-        Rows as `wm3d.bench.trial` makes them, in plan order.
+        Scores, with the columns `wm3d.bench.columns.TRIALS`, in plan order.
     pf : sequence of float
         False-alarm probabilities at which Pd is quoted.
+    false_alarms : DataFrame
+        Monte Carlo curves, with the columns `wm3d.bench.columns.FALSE_ALARMS`; tables of them are made only
+        if there are any.
     """
-    return {
+    tables = {
         "detection": detection(rows, pf),
         "snr": distortion(rows),
         "axes": axes(rows),
         "nulls": nulls(rows),
         "timing": timing(rows),
     }
+    if len(false_alarms):
+        tables["false_alarms"] = counted(false_alarms)
+        tables["roc_paper"] = swept(rows, false_alarms)
+    return tables
 
 
 def detection(rows: pd.DataFrame, pf: Sequence[float]) -> pd.DataFrame:
@@ -42,7 +56,7 @@ def detection(rows: pd.DataFrame, pf: Sequence[float]) -> pd.DataFrame:
     return _table(rows, "H1", lambda group: _detection_row(group, pf))
 
 
-def _detection_row(group: pd.DataFrame, pf: Sequence[float]) -> dict[str, Any]:
+def _detection_row(group: pd.DataFrame, pf: Sequence[float]) -> Line:
     scored = group[group["log10_p"].notna()]
     z, log10_p = scored["z"].to_numpy(), scored["log10_p"].to_numpy()
     curve = roc(log10_p, np.log10(pf))
@@ -76,7 +90,7 @@ def axes(rows: pd.DataFrame) -> pd.DataFrame:
     `flipped` is the share of trials in which an axis changed its sign; the other columns are about the rest.
     """
 
-    def line(group: pd.DataFrame) -> dict[str, Any]:
+    def line(group: pd.DataFrame) -> Line:
         degrees = group["axis_deg"].dropna()
         kept = degrees[degrees <= FLIPPED_DEG]
         return {
@@ -93,31 +107,84 @@ def axes(rows: pd.DataFrame) -> pd.DataFrame:
 def nulls(rows: pd.DataFrame) -> pd.DataFrame:
     """Whether scores without the mark follow the exact key null: z has mean 0, variance 1, p is uniform.
 
-    `ks_p` is the p-value of a Kolmogorov–Smirnov test of p against the uniform law; `pf_0.01` the share of
-    p ≤ 0.01 with its 95 % interval.
+    `subject` is the mesh that was read. `ks_p` is the p-value of a Kolmogorov–Smirnov test of p against the
+    uniform law, `pf_0.01` the share of p ≤ 0.01 with its 95 % interval. The verdict holds both tests of all
+    lines together to `NULL_LEVEL` (Bonferroni). Meshes that cannot be read have p = 1 for every key; they are
+    counted in `unreadable` and left out.
     """
-
-    def line(group: pd.DataFrame) -> dict[str, Any]:
-        scored = group[group["log10_p"].notna()]
-        z, p = scored["z"].to_numpy(), 10 ** scored["log10_p"].to_numpy()
-        alarms = int((p <= 0.01).sum())
-        low, high = clopper_pearson(alarms, len(p))
-        return {
-            "trials": len(p),
-            "z_mean": z.mean() if len(z) else np.nan,
-            "z_var": z.var(ddof=1) if len(z) > 1 else np.nan,
-            "ks_p": kstest(p, "uniform").pvalue if len(p) else np.nan,
-            "pf_0.01": alarms / len(p) if len(p) else np.nan,
-            "pf_0.01_low": float(low),
-            "pf_0.01_high": float(high),
-        }
-
-    parts = [
-        _table(rows, hypothesis, line).assign(hypothesis=hypothesis)
-        for hypothesis in ("H0-wrong-key", "H0-unmarked")
-        if (rows["hypothesis"] == hypothesis).any()
+    keys = [*CELL_KEYS, "hypothesis", "subject"]
+    null = rows[rows["hypothesis"] != "H1"]
+    lines: list[Line] = [
+        dict(zip(keys, map(str, names), strict=True)) | _null_row(group)
+        for names, group in null.groupby(keys, sort=False)
     ]
-    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=CELL_KEYS)
+    tests = 2 * sum(line["trials"] > 0 for line in lines)
+    for line in lines:
+        line["verdict"] = _null_verdict(line, tests)
+    return pd.DataFrame(lines, columns=[*keys, *_null_row(null.iloc[:0]), "verdict"])
+
+
+def _null_row(group: pd.DataFrame) -> Line:
+    scored = group[group["log10_p"].notna()]
+    read = scored[(scored["z"] != 0) | (scored["log10_p"] != 0)]  # without evidence z = 0 and p = 1
+    z, p = read["z"].to_numpy(), 10 ** read["log10_p"].to_numpy()
+    alarms = int((p <= 0.01).sum())
+    band = clopper_pearson(alarms, len(p))
+    return {
+        "trials": len(p),
+        "unreadable": len(scored) - len(read),
+        "z_mean": z.mean() if len(z) else np.nan,
+        "z_var": z.var(ddof=1) if len(z) > 1 else np.nan,
+        "ks_p": kstest(p, "uniform").pvalue if len(p) else np.nan,
+        "pf_0.01": alarms / len(p) if len(p) else np.nan,
+        "pf_0.01_low": float(band.low),
+        "pf_0.01_high": float(band.high),
+    }
+
+
+def _null_verdict(line: Line, tests: int) -> str:
+    trials = int(line["trials"])
+    if trials == 0:
+        return "nothing was read"
+    level = NULL_LEVEL / tests
+    band = clopper_pearson(round(line["pf_0.01"] * trials), trials, 1 - level)
+    faults = []
+    if line["ks_p"] < level:
+        faults.append(f"p is not uniform (KS p = {line['ks_p']:.1e})")
+    if not band.low <= 0.01 <= band.high:
+        faults.append(f"{line['pf_0.01']:.2%} of p ≤ 0.01")
+    if faults:
+        return "departs from the key null: " + " and ".join(faults)
+    return f"follows the key null: KS p = {line['ks_p']:.2g}, {line['pf_0.01']:.2%} of p ≤ 0.01"
+
+
+def counted(false_alarms: pd.DataFrame) -> pd.DataFrame:
+    """Put the false alarms of random keys beside the exact tail, threshold by threshold.
+
+    `pf` with its 95 % interval is quoted only from 10/Pf keys; `log10_pf_exact` is log10 of the exact tail.
+    """
+    table = false_alarms[[*CELL_KEYS, "z", "keys", "exceedances"]].copy()
+    table["pf"] = quoted(table["exceedances"], table["keys"])
+    for end in ("pf_low", "pf_high"):
+        table[end] = false_alarms[end].where(table["pf"].notna())
+    return table.assign(log10_pf_exact=false_alarms["log10_p"])
+
+
+def swept(rows: pd.DataFrame, false_alarms: pd.DataFrame) -> pd.DataFrame:
+    """ROC as the paper made it: one threshold on z for all trials, Pf by counting, Pd from the marked trials.
+
+    Only thresholds whose Pf may be quoted, that is from 10/Pf keys. Pf was counted on the mesh of one trial.
+    """
+    table = counted(false_alarms).dropna(subset="pf").drop(columns=["exceedances", "log10_pf_exact"])
+    parts = []
+    for names, group in cells(rows, "H1"):
+        z = group["z"].dropna()
+        curve = table[(table[CELL_KEYS] == list(names)).all(axis=1)]
+        hits = exceedances(z, curve["z"])
+        band = clopper_pearson(hits, len(z))
+        share = hits / len(z) if len(z) else np.nan
+        parts.append(curve.assign(trials=len(z), pd=share, pd_low=band.low, pd_high=band.high))
+    return pd.concat(parts, ignore_index=True) if parts else table
 
 
 def timing(rows: pd.DataFrame) -> pd.DataFrame:
@@ -127,13 +194,12 @@ def timing(rows: pd.DataFrame) -> pd.DataFrame:
     return trials.groupby(CELL_KEYS, sort=False)[stages].median().reset_index()
 
 
-def _table(rows: pd.DataFrame, hypothesis: str, line: Any) -> pd.DataFrame:
-    return pd.DataFrame(
-        [
-            {**dict(zip(CELL_KEYS, names, strict=True)), **line(group)}
-            for names, group in cells(rows, hypothesis)
-        ]
-    )
+def _table(rows: pd.DataFrame, hypothesis: str, line: Callable[[pd.DataFrame], Line]) -> pd.DataFrame:
+    lines = [
+        {**dict(zip(CELL_KEYS, names, strict=True)), **line(group)}
+        for names, group in cells(rows, hypothesis)
+    ]
+    return pd.DataFrame(lines, columns=[*CELL_KEYS, *line(rows.iloc[:0])])
 
 
 def cells(rows: pd.DataFrame, hypothesis: str) -> Iterator[tuple[tuple[str, str, str], pd.DataFrame]]:

@@ -1,0 +1,82 @@
+"""Running tasks on a Dask cluster.
+
+Not by joblib's Dask backend: it waits forever for a task that the scheduler gave up because its workers died.
+"""
+
+from collections.abc import Callable, Generator, Iterator, Mapping
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+
+import pandas as pd
+
+from wm3d.bench.plan import Task
+from wm3d.bench.worker import work
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh
+
+PATIENCE = 60.0
+"""Seconds without any worker after which a run gives up."""
+
+
+@contextmanager
+def on_cluster(
+    meshes: Mapping[str, Mesh], address: str
+) -> Iterator[Callable[[list[Task]], Generator[tuple[Task, dict[str, pd.DataFrame]], None, list[Task]]]]:
+    """Connect to a Dask scheduler and yield what runs tasks there (`wm3d.bench.execute.Run`).
+
+    The scheduler gives a task to another worker when one dies. A task that saw several of its workers die is
+    returned, with what happened to be in flight beside it.
+
+    Raises
+    ------
+    Wm3dError
+        If distributed is not installed, or no scheduler or no worker answers.
+    """
+    try:
+        import dask
+        from distributed import Client, KilledWorker, as_completed
+    except ImportError:
+        raise Wm3dError("--dask needs the extra: pip install 'wm3d[dask]'.") from None
+    try:
+        client = Client(address, timeout="10s", set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise Wm3dError(f"--dask {address}: no scheduler answers there ({error}).") from None
+
+    def run(tasks: list[Task]) -> Generator[tuple[Task, dict[str, pd.DataFrame]], None, list[Task]]:
+        futures = {
+            client.submit(work, {name: held[name] for name in task.meshes}, task, pure=False): task
+            for task in tasks
+        }
+        suspects = []
+        while futures:
+            try:
+                for future in as_completed(list(futures), timeout=PATIENCE):
+                    task = futures.pop(future)
+                    try:
+                        rows = future.result()
+                    except KilledWorker:
+                        suspects.append(task)
+                    else:
+                        yield task, rows
+            except TimeoutError:
+                if not client.scheduler_info()["workers"]:
+                    raise Wm3dError(
+                        f"--dask {address}: no worker is left; start some and run again."
+                    ) from None
+            except CancelledError:
+                raise Wm3dError(f"--dask {address}: the scheduler is gone; run again.") from None
+        return suspects
+
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError:
+            raise Wm3dError(f"--dask {address}: the scheduler has no workers; start some.") from None
+        # tasks, not scattered data: those the scheduler can make again when their worker dies
+        with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GiB"}):
+            held = {name: client.submit(_hold, mesh, pure=False) for name, mesh in meshes.items()}
+        yield run
+
+
+def _hold(mesh: Mesh) -> Mesh:
+    return mesh

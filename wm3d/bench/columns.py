@@ -1,0 +1,44 @@
+"""The columns of stored rows and their types, by kind of cell."""
+
+TRIALS = {
+    "mesh": "str",
+    "scheme": "str",
+    "scheme_parameters": "str",
+    "attack": "str",
+    "attack_parameters": "str",
+    "hypothesis": "str",
+    "subject": "str",
+    "trial": "int64",
+    "statistic": "float64",
+    "z": "float64",
+    "log10_p": "float64",
+    "snr_db": "float64",
+    "axis_deg": "float64",
+    "faces_out": "int64",
+    "seconds": "float64",
+    "embed_seconds": "float64",
+    "attack_seconds": "float64",
+    "score_seconds": "float64",
+    "error": "str",
+}
+"""One row a score. `mesh` is the mesh whose key is scored, `subject` the one that was attacked and read;
+`seconds` is the time of attack and scoring. Scores are NaN where the attack failed."""
+
+FALSE_ALARMS = {
+    "mesh": "str",
+    "scheme": "str",
+    "scheme_parameters": "str",
+    "attack": "str",
+    "attack_parameters": "str",
+    "z": "float64",
+    "exceedances": "int64",
+    "keys": "int64",
+    "pf_low": "float64",
+    "pf_high": "float64",
+    "log10_p": "float64",
+}
+"""One row a threshold `z`: how many of the random `keys` reached it, the 95 % interval of Pf from
+independent batches of keys, and log10 of the exact tail."""
+
+COLUMNS = {"trials": TRIALS, "false-alarms": FALSE_ALARMS}
+"""By `wm3d.bench.plan.Cell.kind`."""

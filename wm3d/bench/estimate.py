@@ -1,0 +1,141 @@
+"""What a run would do and how long it would take, from one real trial of each mesh, scheme and attack."""
+
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from wm3d.bench.plan import Cell, FalseAlarmCell, Task, TrialCell, tasks
+from wm3d.bench.trial import THRESHOLDS
+from wm3d.bench.worker import work
+from wm3d.mesh import Mesh
+from wm3d.schemes import Scheme
+from wm3d.stats import hadamard_keys
+
+SAMPLE_KEYS = 1 << 22
+"""Random keys that are timed to tell what one costs."""
+
+Setting = tuple[str, str, str]
+"""Mesh, scheme and attack, by their labels."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Seconds that a trial takes to embed, to attack and to read; `error` where its attack failed."""
+
+    embed: float
+    attack: float
+    read: float
+    error: str
+
+    @property
+    def trial(self) -> float:
+        """Seconds of one trial whose mark is embedded for it alone."""
+        return self.embed + self.attack + self.read
+
+
+def print_estimate(
+    name: str, cells: list[Cell], missing: list[Cell], meshes: Mapping[str, Mesh], workers: int
+) -> None:
+    """Print the plan, what of it is there, and the time that the rest needs."""
+    costs = measured(missing, meshes)
+    console = Console()
+    schemes = dict.fromkeys((cell.mesh, cell.scheme.label()) for cell in cells)
+    for mesh, scheme in schemes:
+        console.print(_table(mesh, scheme, cells, missing, costs))
+    todo = tasks(missing)
+    console.print(
+        f"{name}: {len(cells)} cells, {len(cells) - len(missing)} of them there already.", highlight=False
+    )
+    if todo:
+        busy = min(workers, len(todo))
+        console.print(
+            f"The rest takes about {duration(seconds(todo, costs) / busy)} on {busy} "
+            f"worker{'s' if busy > 1 else ''}, from one trial of each kind.",
+            highlight=False,
+        )
+
+
+def _table(
+    mesh: str, scheme: str, cells: list[Cell], missing: list[Cell], costs: Mapping[Setting, Cost]
+) -> Table:
+    output = Table(title=f"{mesh}, {scheme}", title_justify="left", box=None, padding=(0, 1))
+    output.add_column("attack")
+    for heading in ("cells", "there", "trials", "s a trial"):
+        output.add_column(heading, justify="right", no_wrap=True)
+    absent = {cell.digest for cell in missing}
+    groups: dict[Setting, list[Cell]] = {}
+    for cell in cells:
+        if setting(cell)[:2] == (mesh, scheme):
+            groups.setdefault(setting(cell), []).append(cell)
+    for names, group in groups.items():
+        there = sum(cell.digest not in absent for cell in group)
+        cost = costs.get(names)
+        took = "" if cost is None else "failed" if cost.error else f"{cost.trial:.2f}"
+        trials = sum(cell.trials for cell in group)
+        output.add_row(names[2], str(len(group)), str(there), str(trials), took)
+    return output
+
+
+def setting(cell: Cell) -> Setting:
+    """Return what a trial's cost depends on."""
+    return cell.mesh, cell.scheme.label(), cell.attack.label()
+
+
+def measured(cells: Iterable[Cell], meshes: Mapping[str, Mesh]) -> dict[Setting, Cost]:
+    """Run trial 0 of each setting of the cells, and return what it took; nothing is stored."""
+    costs: dict[Setting, Cost] = {}
+    for cell in cells:
+        if setting(cell) in costs:
+            continue
+        block = (cell.seed, cell.mesh, cell.mesh_digest, cell.scheme, cell.attack, 0, 1)
+        trial = TrialCell(*block, "H1", getattr(cell, "wrong_keys", 0))
+        if not costs:
+            _timed(trial, meshes)  # the first call loads the kernels
+        costs[setting(cell)] = _timed(trial, meshes)
+    return costs
+
+
+def _timed(trial: TrialCell, meshes: Mapping[str, Mesh]) -> Cost:
+    start = time.perf_counter()
+    row = work(meshes, Task((trial,)))[trial.digest].iloc[0]
+    total = time.perf_counter() - start
+    embed, attack = float(row["embed_seconds"]), float(row["attack_seconds"])
+    failed = bool(np.isnan(row["log10_p"]))
+    return Cost(embed, attack, total - embed - attack, str(row["error"]) if failed else "")
+
+
+def seconds(todo: Iterable[Task], costs: Mapping[Setting, Cost]) -> float:
+    """Return the seconds that one worker needs for some tasks."""
+    keys: dict[str, float] = {}
+    total = 0.0
+    for task in todo:
+        first = task.cells[0]
+        total += (first.stop - first.start) * costs[setting(first)].embed
+        for cell in task.cells:
+            cost = costs[setting(cell)]
+            once = cell.unmarked is not None and not cell.attack.random
+            total += (1 if once else cell.trials) * (cost.attack + cost.read)
+            if isinstance(cell, FalseAlarmCell):
+                label = cell.scheme.label()
+                keys[label] = keys.get(label) or _seconds_a_key(cell.scheme)
+                total += cell.keys * keys[label]
+    return total
+
+
+def _seconds_a_key(scheme: Scheme) -> float:
+    weights = np.linspace(0.5, 1.5, scheme.capacity)
+    hadamard_keys(weights, THRESHOLDS, 1)  # loads the kernel
+    start = time.perf_counter()
+    hadamard_keys(weights, THRESHOLDS, SAMPLE_KEYS)
+    return (time.perf_counter() - start) / SAMPLE_KEYS
+
+
+def duration(value: float) -> str:
+    """Return seconds as people say them."""
+    if value < 90:
+        return f"{max(value, 1):.0f} s"
+    return f"{value / 60:.0f} min" if value < 90 * 60 else f"{value / 3600:.1f} h"

@@ -1,0 +1,145 @@
+"""The meshes of a task: marked, attacked, read. What does not change from trial to trial is made once."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from wm3d.attacks import Attack
+from wm3d.bench.plan import Cell
+from wm3d.bench.seeds import derived_seed, generator
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh
+from wm3d.metrics import snr
+from wm3d.scanner import Cylinder
+from wm3d.schemes import Scheme
+from wm3d.stats import RademacherSum
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """A marked mesh, its key's seed, the scheme to read it with, its SNR in dB, the seconds it took."""
+
+    mesh: Mesh
+    seed: int
+    scheme: Scheme
+    snr_db: float
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What a detector sees in an attacked mesh.
+
+    Attributes
+    ----------
+    faces : int
+        Of the attacked mesh.
+    evidence : RademacherSum
+        The statistic as a function of the key; nothing but zeros where the mesh cannot be read.
+    unreadable : str
+        Why it cannot be read; empty where it can.
+    axis_deg : float
+        Angle in degrees between the axes of the original and of the attacked mesh; NaN without axes.
+    attack_seconds, read_seconds : float
+    """
+
+    faces: int
+    evidence: RademacherSum
+    unreadable: str
+    axis_deg: float
+    attack_seconds: float
+    read_seconds: float
+
+
+class Subjects:
+    """What the cells of a task start from.
+
+    Parameters
+    ----------
+    meshes : mapping of str to Mesh
+        Those that the task needs.
+    first : Cell
+        Any cell of the task; all have the same mesh, scheme and seed.
+    """
+
+    def __init__(self, meshes: Mapping[str, Mesh], first: Cell) -> None:
+        self._meshes, self._first = meshes, first
+        self._last: tuple[int, Mark] | None = None
+        self._settled: dict[str, tuple[Scheme, Reading]] = {}
+        self._cylinders: dict[str, Cylinder | None] = {}
+
+    def mark(self, trial: int) -> Mark:
+        """Return the mesh marked with the key of a trial; the last one is kept."""
+        if self._last is None or self._last[0] != trial:
+            cell = self._first
+            seed = derived_seed(cell.seed, cell.mesh_digest, trial, "key")
+            original = self._meshes[cell.mesh]
+            start = time.perf_counter()
+            marked, scheme = cell.scheme.embed(original, seed)
+            seconds = time.perf_counter() - start
+            self._last = trial, Mark(marked, seed, scheme, snr(original, marked), seconds)
+        return self._last[1]
+
+    def read(self, cell: Cell, trial: int) -> Reading:
+        """Attack the mesh of a cell and read it.
+
+        An attack without randomness does the same to a mesh without the mark in every trial, so that is
+        attacked and read only once.
+        """
+        mark = self.mark(trial)
+        if cell.unmarked is None:
+            return self._read(cell, trial, mark.mesh, mark.scheme)
+        if cell.digest in self._settled and self._settled[cell.digest][0] == mark.scheme:
+            return self._settled[cell.digest][1]
+        reading = self._read(cell, trial, self._meshes[cell.unmarked], mark.scheme)
+        if not cell.attack.random:
+            again = replace(reading, attack_seconds=0.0, read_seconds=0.0)
+            self._settled[cell.digest] = mark.scheme, again
+        return reading
+
+    def _read(self, cell: Cell, trial: int, subject: Mesh, scheme: Scheme) -> Reading:
+        start = time.perf_counter()
+        attacked = cell.attack(subject, generator(derived_seed(cell.seed, cell.mesh_digest, trial, "attack")))
+        if not isinstance(attacked, Mesh):
+            raise TypeError(f"the attack returned {type(attacked).__name__}, not Mesh")
+        attacked_at, unreadable = time.perf_counter(), ""
+        try:
+            evidence = scheme.evidence(attacked)
+        except Wm3dError as error:  # unreadable is not detected
+            evidence, unreadable = RademacherSum(0.0, np.zeros(scheme.capacity)), str(error)
+        read_at = time.perf_counter()
+        before, after = self._cylinder(cell.unmarked or cell.mesh), _cylinder(scheme, attacked)
+        axis_deg = _axis_deviation(before, after, cell.attack, subject, attacked)
+        return Reading(
+            len(attacked.faces), evidence, unreadable, axis_deg, attacked_at - start, read_at - attacked_at
+        )
+
+    def _cylinder(self, mesh: str) -> Cylinder | None:
+        if mesh not in self._cylinders:
+            self._cylinders[mesh] = _cylinder(self._first.scheme, self._meshes[mesh])
+        return self._cylinders[mesh]
+
+
+def _cylinder(scheme: Scheme, mesh: Mesh) -> Cylinder | None:
+    try:
+        return scheme.cylinder(mesh)
+    except Wm3dError:
+        return None
+
+
+def _axis_deviation(
+    before: Cylinder | None, after: Cylinder | None, attack: Attack, subject: Mesh, attacked: Mesh
+) -> float:
+    """Angle between the axes; where the attack turns the model, it is first turned back."""
+    if before is None or after is None:
+        return float("nan")
+    if attack.turns:
+        if len(attacked.vertices) != len(subject.vertices):
+            return float("nan")
+        x, y = (mesh.vertices - mesh.vertices.mean(axis=0) for mesh in (subject, attacked))
+        back = Rotation.align_vectors(x / np.abs(x).max(), y / np.abs(y).max())[0]
+        after = replace(after, axes=back.apply(after.axes))
+    return before.axis_deviation(after)
