@@ -5,7 +5,10 @@ import numpy as np
 from wm3d.arrays import FloatArray, IntArray
 
 STEPS = 24
-"""Bisection steps for the cell size: enough to separate any two sizes that give different meshes."""
+"""Bisection steps for the cell size, which they settle to 6e-8 of the mesh's extent."""
+
+MOST_CELLS = 1 << 20
+"""Cells along an edge of the grid, at most: their number in the whole grid still fits 63 bits."""
 
 
 def cluster_to(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
@@ -18,7 +21,8 @@ def cluster_to(vertices: FloatArray, faces: IntArray, target: int) -> tuple[Floa
     target : int
         Wanted number of faces; the count achieved differs, for a grid does not allow every count.
     """
-    finest, coarsest = 0.0, float(np.ptp(vertices, axis=0).max())
+    coarsest = float(np.ptp(vertices, axis=0).max())
+    finest = coarsest / MOST_CELLS
     best, best_miss = (vertices, faces), abs(len(faces) - target)
     for _ in range(STEPS):
         size = 0.5 * (finest + coarsest)

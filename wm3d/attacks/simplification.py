@@ -26,6 +26,7 @@ class Simplify(Attack):
     """
 
     name: Literal["simplify"] = "simplify"
+    version: ClassVar[int] = 2
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("ratio", "simplifier")
 
@@ -43,38 +44,34 @@ class Simplify(Attack):
         target = max(4, round(self.ratio * len(mesh.faces)))
         if target >= len(mesh.faces):
             return mesh
-        vertices, faces = _ENGINES[self.simplifier](mesh, target)
+        # The engines hold errors against absolute bounds: in micrometres a bunny kept 99 % of its faces.
+        center, unit = mesh.vertices.mean(axis=0), mesh.diagonal
+        vertices, faces = _ENGINES[self.simplifier]((mesh.vertices - center) / unit, mesh.faces, target)
         if len(faces) == 0:
             raise Wm3dError(f"{mesh.name}: {self.label()} left no faces of {len(mesh.faces)}.")
-        return Mesh(vertices, faces, mesh.name)
+        return Mesh(vertices * unit + center, faces, mesh.name)
 
 
-def _fast_simplification(mesh: Mesh, target: int) -> tuple[FloatArray, IntArray]:
+def _fast_simplification(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
     import fast_simplification
 
-    # copies, because it refuses read-only arrays
-    vertices, faces = fast_simplification.simplify(
-        mesh.vertices.copy(), mesh.faces.copy(), target_count=target
-    )
+    # a copy, because it refuses read-only arrays
+    vertices, faces = fast_simplification.simplify(vertices, faces.copy(), target_count=target)
     return np.asarray(vertices, np.float64), np.asarray(faces, np.int64)
 
 
-def _pymeshlab_quadric(mesh: Mesh, target: int) -> tuple[FloatArray, IntArray]:
+def _pymeshlab_quadric(vertices: FloatArray, faces: IntArray, target: int) -> tuple[FloatArray, IntArray]:
     import pymeshlab  # GPL: imported only where its engine is asked for
 
     meshes = pymeshlab.MeshSet()
-    meshes.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.faces))
+    meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
     meshes.meshing_decimation_quadric_edge_collapse(targetfacenum=target)
     result = meshes.current_mesh()
     return result.vertex_matrix(), result.face_matrix().astype(np.int64)
 
 
-def _clustering(mesh: Mesh, target: int) -> tuple[FloatArray, IntArray]:
-    return cluster_to(mesh.vertices, mesh.faces, target)
-
-
 _ENGINES = {
     "fast-simplification": _fast_simplification,
     "pymeshlab-quadric": _pymeshlab_quadric,
-    "clustering": _clustering,
+    "clustering": cluster_to,
 }
