@@ -20,7 +20,7 @@ def move_vertices(mesh: Mesh, posed: FloatArray, cylinder: Cylinder, change: Flo
     change : (N_u, N_v) ndarray
         Δl = l̃ − l (eq. 8), in mesh units; a positive change moves the surface towards the axis.
     """
-    normals = kernels.radial_normals(posed, mesh.faces, orientation(mesh))
+    normals = _pooled(posed, kernels.radial_normals(posed, mesh.faces, orientation(mesh)))
     moves = kernels.radial_moves(posed, normals, change, cylinder.hmin, cylinder.height)
     return mesh.with_vertices(mesh.vertices + _to_world(moves, cylinder))
 
@@ -48,6 +48,19 @@ def radial_moves_reference(
 def _weight(x: FloatArray) -> FloatArray:
     """f(x) = (1 + cos πx)/2 for |x| < 1, else 0 (eqs. 10 and 11)."""
     return np.where(np.abs(x) < 1, 0.5 * (1 + np.cos(np.pi * x)), 0.0)
+
+
+def _pooled(posed: FloatArray, normals: FloatArray) -> FloatArray:
+    """Give vertices in one place one normal, so that seams and unwelded (STL) faces move together.
+
+    Equal coordinates have equal dot products with any direction, and others differ for one chosen at random.
+    """
+    along = posed[:, 0] * 0.5390 + posed[:, 1] * 0.7318 + posed[:, 2] * 0.4173
+    places, place = np.unique(along, return_inverse=True)
+    if len(places) == len(posed):
+        return normals
+    total = [np.bincount(place, normals[:, k])[place] for k in range(2)]
+    return np.column_stack(total)
 
 
 def _to_world(moves: FloatArray, cylinder: Cylinder) -> FloatArray:
