@@ -1,7 +1,6 @@
 """The experiment config: what a YAML file may say, checked strictly and all faults at once."""
 
 import json
-import re
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -141,11 +140,3 @@ def _components() -> dict[str, type[Component]]:
     from wm3d.imagemarks import DETECTORS
 
     return {**ATTACKS, **SCHEMES, **DETECTORS}
-
-
-def json_schema() -> str:
-    """Return the JSON Schema of a config file, for editors that complete and check YAML."""
-    schema = Experiment.model_json_schema()
-    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
-    text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
-    return re.sub(r"[ \t]+\n", "\n", text)
