@@ -29,6 +29,7 @@ def test_shape_and_orientation_are_kept_and_draws_fill_their_ranges():
     assert kstest(scales, "uniform", (0.5, 3.5)).pvalue > 1e-6
     assert kstest(np.ravel(shifts), "uniform", (-2, 4)).pvalue > 1e-6
     assert kstest(axes, "uniform", (-1, 2)).pvalue > 1e-6
+    assert np.abs(np.corrcoef(np.transpose(shifts)) - np.eye(3)).max() < 5 / np.sqrt(300)
     assert min(scales) >= 0.5
     assert max(scales) <= 4
     assert np.abs(shifts).max() <= 2

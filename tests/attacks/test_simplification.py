@@ -14,14 +14,19 @@ ENGINES = {"fast-simplification": 2, "pymeshlab-quadric": 2, "clustering": 30}
 
 @pytest.fixture(scope="module", params=["blob", "bunny"])
 def mesh(request) -> Mesh:
-    return blob(4, 4) if request.param == "blob" else request.getfixturevalue("bunny")
+    if request.param == "bunny":
+        return request.getfixturevalue("bunny")
+    return Mesh(blob(4, 4).vertices + [5.0, -6.0, 7.0], blob(4, 4).faces)
 
 
 @pytest.mark.parametrize("simplifier", ENGINES)
-def test_target_is_reached_and_the_solid_stays(mesh, simplifier):
+def test_target_is_reached_and_the_solid_stays_in_its_place(mesh, simplifier):
     result = Simplify(ratio=0.5, simplifier=simplifier)(mesh, np.random.default_rng(0))
     assert abs(len(result.faces) - len(mesh.faces) // 2) <= ENGINES[simplifier]
     assert signed_volume(result) == pytest.approx(signed_volume(mesh), rel=0.01)
+    for bound in (np.min, np.max):
+        before, after = bound(mesh.vertices, axis=0), bound(result.vertices, axis=0)
+        np.testing.assert_allclose(after, before, rtol=0, atol=0.02 * mesh.diagonal)
     corners = np.sort(result.faces, axis=1)
     assert len(np.unique(corners, axis=0)) == len(corners)
     assert (np.diff(corners, axis=1) > 0).all()
