@@ -8,7 +8,9 @@ from wm3d.mesh import Mesh
 
 
 def test_marking_does_not_tear_a_mesh_whose_faces_share_no_vertices():
-    welded = blob(3)
+    smooth = blob(3)  # made rough, so that faces of one vertex look to both sides of the axis
+    rough = np.random.default_rng(0).normal(scale=0.03, size=smooth.vertices.shape)
+    welded = smooth.with_vertices(smooth.vertices + rough)
     corners = welded.faces.ravel()
     soup = Mesh(welded.vertices[corners], np.arange(corners.size).reshape(-1, 3))
     marked, _ = embed(soup, seed=5)
