@@ -16,7 +16,7 @@ ENGINES = {"fast-simplification": 2, "pymeshlab-quadric": 2, "clustering": 30}
 def mesh(request) -> Mesh:
     if request.param == "bunny":
         return request.getfixturevalue("bunny")
-    return Mesh(blob(4, 4).vertices + [5.0, -6.0, 7.0], blob(4, 4).faces)
+    return Mesh(blob(4, 4).vertices + np.array([5, -6, 7]), blob(4, 4).faces)
 
 
 @pytest.mark.parametrize("simplifier", ENGINES)
