@@ -15,7 +15,7 @@ from shapes import tetrahedron
 from wm3d.attacks import ATTACKS
 from wm3d.bench import load_experiment, write_report
 from wm3d.bench.columns import TRIALS
-from wm3d.bench.figures import roc_figures
+from wm3d.bench.figures import roc_figure
 from wm3d.bench.manifest import manifest
 from wm3d.bench.plan import plan
 from wm3d.bench.readings import readings
@@ -154,7 +154,7 @@ def test_roc_steps_exactly_at_the_p_values() -> None:
     rows = pd.DataFrame(
         {"mesh": "m", "scheme": "s", "attack": "a", "hypothesis": "H1", "z": 1.0, "log10_p": log10_p}
     )
-    curve = roc_figures(rows, {})["roc"].axes[0].lines[0]
+    curve = roc_figure(rows, {}).axes[0].lines[0]
     np.testing.assert_array_equal(
         curve.get_xydata(), [[-8, 0.25], [-7, 0.5], [-3.5, 0.75], [-1, 1.0], [0, 1.0]]
     )

@@ -4,7 +4,7 @@ import io
 import re
 import textwrap
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import cycle
 from typing import Any, cast
@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from wm3d.arrays import FloatArray
@@ -30,6 +31,15 @@ NULL_CAPTION = (
     "(saddlepoint tail). A trial is detected if its p-value is at most Pf. Bands: 95 % Clopper–Pearson."
 )
 """What a reader must know to read Pf, under every ROC figure."""
+
+FALSE_ALARM_CAPTION = (
+    "Counted: share of random keys whose z reaches a threshold, from 10/Pf keys on, with its 95 % interval "
+    "over batches of keys. Exact: tail of the key null. Both on the attacked mesh of one trial."
+)
+"""What a reader must know under a figure of counted false alarms."""
+
+POINT_EVERY = 4
+"""Thresholds from one point of a false-alarm curve to the next; the table has them all."""
 
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 """Okabe and Ito's palette for all kinds of colour vision, without the yellow that white paper swallows."""
@@ -52,10 +62,11 @@ STYLE: dict[str, Any] = {
 }
 
 
-def roc_figures(rows: pd.DataFrame, credits: Mapping[str, str | None]) -> dict[str, Figure]:
-    """Return a ROC figure for each mesh and scheme by file name: ``roc`` if there is one, else ``roc-…``.
+def roc_figure(rows: pd.DataFrame, credits: Mapping[str, str | None]) -> Figure:
+    """Draw Pd against log10 Pf, a panel for each mesh and scheme, a curve for each attack.
 
-    Each trial is held to Pf by the exact key null of its own mesh.
+    Each trial is held to Pf by the exact key null of its own mesh; bands are 95 % Clopper–Pearson. A panel
+    whose attacks are more than there are colours is split.
 
     Parameters
     ----------
@@ -66,34 +77,24 @@ def roc_figures(rows: pd.DataFrame, credits: Mapping[str, str | None]) -> dict[s
     cases: dict[tuple[str, str], dict[str, pd.DataFrame]] = {}
     for (mesh, scheme, attack), group in cells(rows, "H1"):
         cases.setdefault((mesh, scheme), {})[attack] = group
-    figures: dict[str, Figure] = {}
-    for (mesh, scheme), curves in cases.items():
-        name = "roc" if len(cases) == 1 else f"roc-{_slug(mesh)}-{_slug(scheme)}"
-        while name in figures:
-            name += "x"
-        credit = credits.get(mesh)
-        caption = NULL_CAPTION + (f" Mesh: {credit}." if credit else "")
-        keys = max(len(group) for group in curves.values())
-        figures[name] = _roc_figure(f"{mesh}, {scheme}, {keys} keys", curves, caption)
-    return figures
-
-
-def _slug(text: str) -> str:
-    """Name for a file; of a path the end is kept."""
-    return re.sub(r"[^A-Za-z0-9.]+", "-", text).strip("-.")[-60:]
-
-
-def _roc_figure(title: str, curves: Mapping[str, pd.DataFrame], caption: str) -> Figure:
-    panels = list(_panels(curves))
+    panels = [(case, attacks) for case, curves in cases.items() for attacks in _panels(curves)]
+    heights = [3.5 + 0.17 * _legend_rows(attacks) for _, attacks in panels]
     with _style():
-        heights = [3.3 + 0.17 * _legend_rows(panel) for panel in panels]
-        figure = Figure(figsize=(6.4, sum(heights) + 0.7), layout="constrained")
+        figure = Figure(figsize=(6.4, sum(heights) + 0.5), layout=ConstrainedLayoutEngine(hspace=0.05))
         axes = figure.subplots(len(panels), 1, squeeze=False, height_ratios=heights)[:, 0]
-        for panel, attacks in zip(axes, panels, strict=True):
-            _roc_panel(panel, {attack: curves[attack] for attack in attacks})
-        axes[0].set_title(textwrap.fill(title, 85), loc="left", fontsize=10)
-        figure.supxlabel(textwrap.fill(caption, 125), fontsize=6.5, x=0.01, ha="left", color="0.45")
+        for panel, ((mesh, scheme), attacks) in zip(axes, panels, strict=True):
+            curves = {attack: cases[mesh, scheme][attack] for attack in attacks}
+            keys = max(map(len, curves.values()))
+            panel.set_title(textwrap.fill(f"{mesh}, {scheme}, {keys} keys", 85), loc="left", fontsize=10)
+            _roc_panel(panel, curves)
+        _caption(figure, NULL_CAPTION, [mesh for mesh, _ in cases], credits)
     return figure
+
+
+def _caption(figure: Figure, text: str, meshes: Iterable[str], credits: Mapping[str, str | None]) -> None:
+    owed = list(dict.fromkeys(filter(None, map(credits.get, meshes))))
+    text += f" Meshes: {'; '.join(owed)}." if owed else ""
+    figure.supxlabel(textwrap.fill(text, 125), fontsize=6.5, x=0.01, ha="left", color="0.45")
 
 
 def _panels(attacks: Mapping[str, object]) -> Iterator[list[str]]:
@@ -190,6 +191,49 @@ def _decorate(
     decades = range(LEAST_LOG10_PF, 1)
     panel.set_xticks(list(decades), [power_of_ten(decade) for decade in decades])
     panel.set(xlim=(LEAST_LOG10_PF, 0), ylim=(-0.02, 1.04), xlabel="Pf", ylabel="Pd")
+
+
+def false_alarm_figure(table: pd.DataFrame, credits: Mapping[str, str | None]) -> Figure:
+    """Draw counted Pf over exact Pf against exact Pf, a panel for each mesh and scheme, points by attack.
+
+    Parameters
+    ----------
+    table : DataFrame
+        `wm3d.bench.tables.counted`.
+    credits : mapping of str to str or None
+        As for `roc_figure`.
+    """
+    cases = list(table.groupby(["mesh", "scheme"], sort=False))
+    with _style():
+        figure = Figure(figsize=(6.4, 3.4 * len(cases) + 0.4), layout="constrained")
+        axes = figure.subplots(len(cases), 1, squeeze=False)[:, 0]
+        for panel, ((mesh, scheme), group) in zip(axes, cases, strict=True):
+            title = f"{mesh}, {scheme}, {group['keys'].max():,} keys an attack"
+            panel.set_title(textwrap.fill(title, 85), loc="left", fontsize=10)
+            _ratio_panel(panel, group)
+        _caption(figure, FALSE_ALARM_CAPTION, dict.fromkeys(table["mesh"]), credits)
+    return figure
+
+
+def _ratio_panel(panel: Axes, table: pd.DataFrame) -> None:
+    attacks = list(table.groupby("attack", sort=False))
+    for k, ((attack, curve), color) in enumerate(zip(attacks, cycle(COLORS), strict=False)):
+        quoted = curve[curve["pf"].notna() & (curve["z"] > 0)].iloc[::POINT_EVERY]
+        exact = 10 ** quoted["log10_pf_exact"]
+        low, ratio, high = (quoted[column] / exact for column in ("pf_low", "pf", "pf_high"))
+        beside = quoted["log10_pf_exact"] + 0.025 * (
+            k - (len(attacks) - 1) / 2
+        )  # or they would hide each other
+        panel.errorbar(
+            beside, ratio, [ratio - low, high - ratio], fmt=".", markersize=4, linewidth=0.9, color=color,
+            label=str(attack),
+        )  # fmt: skip
+    panel.axhline(1, color="0.5", linewidth=0.8)
+    least = int(np.floor(table.loc[table["pf"].notna(), "log10_pf_exact"].to_numpy().min(initial=-1)))
+    decades = range(least, 1)
+    panel.set_xticks(list(decades), [power_of_ten(decade) for decade in decades])
+    panel.set(xlabel="exact Pf", ylabel="counted Pf / exact Pf", ylim=(0, 2), xlim=(least, 0))
+    panel.legend(fontsize=7, loc="upper right", ncols=2)
 
 
 def power_of_ten(exponent: float) -> str:

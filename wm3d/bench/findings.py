@@ -124,6 +124,15 @@ def null_scores(rows: pd.DataFrame) -> dict[str, int]:
     return {str(name): int(count) for name, count in null["hypothesis"].value_counts(sort=False).items()}
 
 
+def departures(nulls: pd.DataFrame) -> list[str]:
+    """Return which lines of the table of nulls depart from the exact null, and how."""
+    return [
+        f"{line['mesh']}, {line['scheme']}, {line['attack']}, {line['hypothesis']}: {line['verdict']}"
+        for line in nulls.to_dict("records")
+        if str(line["verdict"]).startswith("departs")
+    ]
+
+
 def faults(rows: pd.DataFrame) -> list[dict[str, object]]:
     """Return the errors of a run: attack, what it said, how often, and whether the trial still counts."""
     failed = rows[rows["error"] != ""]

@@ -17,10 +17,12 @@ from wm3d.bench.figures import LEAST_LOG10_PF, power_of_ten
 from wm3d.bench.htmltables import html_table, short_power, shortener
 from wm3d.bench.readings import readings
 from wm3d.bench.summary import DETECTED
+from wm3d.bench.tables import CELL_KEYS
 
 HYPOTHESES = {
     "H0-wrong-key": "scores of keys that were never embedded, on the marked and attacked meshes",
     "H0-unmarked": "scores of the trials' keys on the unmarked mesh after the same attack",
+    "H0-other-mesh": "scores of the trials' keys on other meshes after the same attack",
 }
 """What the scores without the mark are, by hypothesis; others are called by their name."""
 
@@ -68,9 +70,12 @@ def render(run: Run) -> str:
             z_at_pf=float(norm.isf(pf)),
             least_log10_pf=LEAST_LOG10_PF,
             detected=DETECTED,
+            marked={name: run.manifest["meshes"][name] for case in experiment.cases for name in case.meshes},
             cases=findings.cases(run.tables["detection"], pf),
             statistics=findings.statistics(experiment),
             null_scores=findings.null_scores(run.rows),
+            departures=findings.departures(run.tables["nulls"]),
+            keys_counted=run.tables["false_alarms"]["keys"].max() if "false_alarms" in run.tables else 0,
             faults=findings.faults(run.rows),
             figures={name: Markup(svg) for name, svg in run.figures.items()},
             tables=[html_table(name, table) for name, table in run.tables.items() if name != "timing"],
@@ -87,12 +92,16 @@ def _stages(timing: pd.DataFrame) -> list[dict[str, Any]]:
     stages = [str(column) for column in timing.columns if str(column).endswith("_seconds")]
     longest = timing[stages].sum(axis=1).max()
     short = shortener(pd.Series([longest]))
+    telling = [key for key in CELL_KEYS if key == "attack" or timing[key].nunique() > 1]
     lines = []
     for line in timing.to_dict("records"):
         bars = [(stage.removesuffix("_seconds"), line[stage], line[stage] / longest) for stage in stages]
-        label = ", ".join(str(line[key]) for key in ("mesh", "scheme", "attack"))
         lines.append(
-            {"label": label, "attack": line["attack"], "bars": bars, "total": short(sum(b[1] for b in bars))}
+            {
+                "name": ", ".join(str(line[key]) for key in telling),
+                "bars": bars,
+                "total": short(sum(b[1] for b in bars)),
+            }
         )
     return lines
 

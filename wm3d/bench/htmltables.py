@@ -27,9 +27,16 @@ TITLES = {
     "nulls": (
         "Null",
         "Scores without the mark against the exact key null: z should have mean 0 and variance 1, and p "
-        "should be uniform (Kolmogorov–Smirnov).",
+        "should be uniform (Kolmogorov–Smirnov). The verdict holds all lines together to 1 %.",
     ),
-    "false_alarms": ("False alarms", "Counted false alarms beside the exact tail."),
+    "false_alarms": (
+        "False alarms",
+        "Share of random keys whose z reaches a threshold, quoted from 10/Pf keys on, beside the exact tail.",
+    ),
+    "roc_paper": (
+        "ROC by counting",
+        "As the paper made it: one threshold on z for all trials, Pf counted on random keys, Pd on trials.",
+    ),
     "timing": ("Stages", "Median seconds of each stage of a trial."),
 }
 """Heading and explanation of the tables by file name; others are called by their file name."""
@@ -43,6 +50,9 @@ HEADINGS = {
     "auc": "AUC",
     "eer": "EER",
     "ks_p": "KS p-value",
+    "pf": "Pf",
+    "pd": "Pd",
+    "log10_pf_exact": "exact log10 Pf",
     "snr_db": "mean",
     "mean_deg": "mean °",
     "median_deg": "median °",

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from matplotlib.figure import Figure
 
 from wm3d.bench import figures
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
@@ -57,7 +58,7 @@ def write_report(run_dir: str | Path) -> Report:
     directory.create()  # a copy of a run may lack its empty folders
     tables = all_tables(rows, experiment.pf, false_alarms)
     directory.write_tables(tables)
-    drawn = figures.roc_figures(rows, {name: mesh["credit"] for name, mesh in manifest["meshes"].items()})
+    drawn = _figures(rows, tables, {name: mesh["credit"] for name, mesh in manifest["meshes"].items()})
     saved = {name: figures.save(figure, directory, name) for name, figure in drawn.items()}
     run = Run(
         experiment=experiment,
@@ -69,6 +70,18 @@ def write_report(run_dir: str | Path) -> Report:
     )
     directory.write_text("report.html", render(run))
     return Report(directory.path / "report.html", int(rows["log10_p"].isna().sum()))
+
+
+def _figures(
+    rows: pd.DataFrame, tables: Mapping[str, pd.DataFrame], credits: Mapping[str, str | None]
+) -> dict[str, Figure]:
+    """Return the figures by name, as far as there are rows for them."""
+    drawn = {}
+    if (rows["hypothesis"] == "H1").any():
+        drawn["roc"] = figures.roc_figure(rows, credits)
+    if "false_alarms" in tables:
+        drawn["false_alarms"] = figures.false_alarm_figure(tables["false_alarms"], credits)
+    return drawn
 
 
 def read_manifest(directory: RunDirectory) -> dict[str, Any]:
