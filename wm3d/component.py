@@ -44,19 +44,23 @@ class Component(BaseModel):
         """Return the legend text: the name, the values of `legend`, and what differs from its default."""
         fields = type(self).model_fields
         words = [str(fields["name"].default) if "name" in fields else type(self).__name__]
-        for key, value in self.parameters().items():
+        for key in self.parameters():
+            value = getattr(self, key)
             if key in self.legend:
                 words.append(_short(value))
-            elif getattr(self, key) != fields[key].default:
+            elif value != fields[key].default:
                 words.append(f"{key}={_short(value)}")
         return " ".join(words)
 
 
 def _short(value: Any) -> str:
+    """Write a value so that unlike values read unlike: tables put together what has the same label."""
     if isinstance(value, float):
-        return f"{value:g}"
-    if isinstance(value, dict):
-        return str(value.get("name", value))
-    if isinstance(value, list):
+        short = f"{value:g}"
+        return short if float(short) == value else repr(value)
+    if isinstance(value, Component):
+        label = value.label()
+        return f"({label})" if " " in label else label
+    if isinstance(value, tuple | list):
         return ("×" if len(value) == 2 else ",").join(_short(item) for item in value)
     return str(value)

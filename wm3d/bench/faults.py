@@ -43,6 +43,11 @@ def describe_faults(
 
 
 def _joined(alternatives: list[str]) -> str:
+    """Make one sentence of what each member of a union of types has to say."""
+    heads = {alternative.partition(" must be ")[0] for alternative in alternatives}
+    if len(heads) == 1 and all(" must be " in alternative for alternative in alternatives):
+        wanted = [alternative.partition(" must be ")[2] for alternative in alternatives]
+        alternatives = [f"{heads.pop()} must be {' or '.join(wanted)}"]
     text = "; or ".join(alternatives)
     return text if text.endswith("?") else f"{text}."
 
@@ -104,8 +109,55 @@ def _sentence(fault: Any, path: tuple[Step, ...], model: type[BaseModel]) -> str
         bound = context.get("min_length", context.get("max_length"))
         more = "or more " if kind == "too_short" else ""
         return f"must have {bound} {more}items, not {context['actual_length']}"
-    message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
-    return message if isinstance(fault["input"], dict) else f"{fault['input']!r} {message}"
+    if kind == "value_error":
+        return str(fault["msg"]).removeprefix("Value error, ")
+    return f"{_shown(fault['input'])} {_wanted(kind, context, fault['msg'])}"
+
+
+def _wanted(kind: str, context: Mapping[str, Any], message: str) -> str:
+    kind = kind.removesuffix("_type").removesuffix("_parsing")
+    if kind in _KINDS:
+        return f"must be {_KINDS[kind]}"
+    if kind in _BOUNDS:
+        phrase, bound = _BOUNDS[kind]
+        return f"must be {phrase} {context[bound]:g}"
+    if kind == "literal_error":
+        return f"must be {context['expected']}"
+    return message[:1].lower() + message[1:]
+
+
+_KINDS = {
+    "int": "a whole number",
+    "int_from_float": "a whole number",
+    "float": "a number",
+    "finite_number": "finite",
+    "bool": "true or false",
+    "string": "text (quotes make text of a number)",
+    "tuple": "a list",
+    "list": "a list",
+    "model": "a mapping",
+    "dict": "a mapping",
+    "model_attributes": "a mapping",
+}
+"""What pydantic's kinds of type errors ask for."""
+
+_BOUNDS = {
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
+    "multiple_of": ("a multiple of", "multiple_of"),
+}
+"""How bounds are said, and where pydantic's context keeps them."""
+
+
+def _shown(value: Any) -> str:
+    """Write a value as YAML has it."""
+    if value is None:
+        return "an empty value"
+    if isinstance(value, dict | list):
+        return "a mapping" if isinstance(value, dict) else "a list"
+    return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 def _suggest(word: str, known: list[str]) -> str:

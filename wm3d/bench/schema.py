@@ -1,7 +1,7 @@
 """JSON Schema of config files, for editors that complete and check YAML.
 
-`configs/schema.json` is what ``python -m wm3d.bench.schema`` prints where no plug-ins are installed; with them,
-it prints a schema that knows their attacks and schemes too.
+`configs/schema.json` is what ``python -m wm3d.bench.schema`` prints. Where plug-ins are installed, the schema
+knows their attacks and schemes too, so it is to be made without them.
 """
 
 import json

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from wm3d.attacks import Attack
+from wm3d.attacks.base import Owner
 from wm3d.bench.plan import Cell
 from wm3d.bench.seeds import derived_seed, generator
 from wm3d.errors import Wm3dError
@@ -101,8 +102,11 @@ class Subjects:
         return reading
 
     def _read(self, cell: Cell, trial: int, subject: Mesh, scheme: Scheme) -> Reading:
+        original = self._meshes[cell.unmarked or cell.mesh]
+        attack = cell.attack.given(Owner(original, lambda mesh, seed: cell.scheme.embed(mesh, seed)[0]))
+        rng = generator(derived_seed(cell.seed, cell.mesh_digest, trial, "attack"))
         start = time.perf_counter()
-        attacked = cell.attack(subject, generator(derived_seed(cell.seed, cell.mesh_digest, trial, "attack")))
+        attacked = attack(subject, rng)
         if not isinstance(attacked, Mesh):
             raise TypeError(f"the attack returned {type(attacked).__name__}, not Mesh")
         attacked_at, unreadable = time.perf_counter(), ""

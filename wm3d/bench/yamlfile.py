@@ -1,13 +1,12 @@
 """YAML 1.2 files as plain data that remembers the line of every value."""
 
 import io
-from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
-from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from wm3d.errors import Wm3dError
 
@@ -58,16 +57,13 @@ class Document:
             raise Wm3dError(f"--set {assignment}: must have the form path.to.field=value.")
         path = tuple(int(step) if step.isdecimal() else step for step in target.split("."))
         inner = self.data
-        for step in path[:-1]:
-            inner = _step_into(inner, step, assignment)
-        last = path[-1]
+        for depth in range(len(path) - 1):
+            inner = _step_into(inner, path, depth, assignment)
         if isinstance(inner, list):
-            _step_into(inner, last, assignment)
-            inner[last] = _parse(text, f"--set {assignment}")  # type: ignore[index]  # _step_into checked it
-        elif isinstance(inner, dict):
-            inner[last] = _parse(text, f"--set {assignment}")
-        else:
+            _step_into(inner, path, len(path) - 1, assignment)
+        elif not isinstance(inner, dict):
             raise Wm3dError(f"--set {assignment}: {dotted(path[:-1])} holds a single value.")
+        inner[path[-1]] = _parse(text, f"--set {assignment}")
         self._overridden[path] = assignment
 
 
@@ -93,17 +89,15 @@ def read_yaml(path: str | Path) -> Document:
         raise Wm3dError(f"{path}: cannot be read ({error.strerror}).") from None
     except UnicodeDecodeError:
         raise Wm3dError(f"{path}: is not a YAML file: it is not UTF-8 text.") from None
-    reader = YAML(typ="safe", pure=True)
+    builder = _Builder()
     try:
-        root = reader.compose(text)
+        root = builder.reader.compose(text)
+        if not isinstance(root, MappingNode):
+            raise Wm3dError(f"{path}: must hold a mapping of keys to values, such as 'trials: 100'.")
+        data = builder.build(root, ())
     except YAMLError as error:
         raise Wm3dError(f"{path}: {_yaml_fault(error)}") from None
-    if not isinstance(root, MappingNode):
-        raise Wm3dError(f"{path}: must hold a mapping of keys to values, such as 'trials: 100'.")
-    lines: dict[Path_, int] = {}
-    faults: list[tuple[int, str]] = []
-    data = _build(root, (), reader, lines, faults)
-    return Document(str(path), data, lines, faults)
+    return Document(str(path), data, builder.lines, builder.faults)
 
 
 def write_yaml(data: Any) -> str:
@@ -115,29 +109,50 @@ def write_yaml(data: Any) -> str:
     return stream.getvalue()
 
 
-def _build(
-    node: Node, path: Path_, reader: YAML, lines: dict[Path_, int], faults: list[tuple[int, str]]
-) -> Any:
-    lines[path] = node.start_mark.line + 1
-    if isinstance(node, SequenceNode):
-        return [_build(item, (*path, i), reader, lines, faults) for i, item in enumerate(node.value)]
-    if not isinstance(node, MappingNode):
-        return reader.constructor.construct_object(node, deep=True)
-    mapping: dict[Any, Any] = {}
-    for key_node, value_node in node.value:
-        key, line = reader.constructor.construct_object(key_node, deep=True), key_node.start_mark.line + 1
-        if not isinstance(key, Hashable):
-            faults.append((line, f"line {line}: a key must be a word, not a list or a mapping."))
-            continue
-        inner = (*path, key if isinstance(key, int) else str(key))
-        if key in mapping:
-            faults.append(
-                (line, f"line {line}, {dotted(inner)}: stands twice (first on line {lines[inner]}).")
-            )
-            continue
-        mapping[key] = _build(value_node, inner, reader, lines, faults)
-        lines[inner] = line
-    return mapping
+class _Builder:
+    """Makes plain data of YAML nodes; notes lines, and faults that leave the rest readable."""
+
+    def __init__(self) -> None:
+        self.reader = YAML(typ="safe", pure=True)
+        self.lines: dict[Path_, int] = {}
+        self.faults: list[tuple[int, str]] = []
+        self._around: list[Node] = []
+
+    def build(self, node: Node, path: Path_) -> Any:
+        line = node.start_mark.line + 1
+        self.lines[path] = line
+        if node in self._around:
+            self._fault(line, path, "stands for itself, by an alias inside its anchor")
+            return None
+        self._around.append(node)
+        try:
+            if isinstance(node, SequenceNode):
+                return [self.build(item, (*path, i)) for i, item in enumerate(node.value)]
+            if isinstance(node, MappingNode):
+                return self._mapping(node, path)
+            return self.reader.constructor.construct_object(node, deep=True)
+        finally:
+            self._around.pop()
+
+    def _mapping(self, node: MappingNode, path: Path_) -> dict[str, Any]:
+        mapping: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            line = key_node.start_mark.line + 1
+            key = key_node.value
+            if not isinstance(key_node, ScalarNode) or not isinstance(
+                self.reader.constructor.construct_object(key_node, deep=True), str
+            ):
+                shown = f" {key}" if isinstance(key, str) else ""
+                self._fault(line, path, f"the key{shown} must be a word")
+            elif key in mapping:
+                self._fault(line, (*path, key), f"stands twice (first on line {self.lines[(*path, key)]})")
+            else:
+                mapping[key] = self.build(value_node, (*path, key))
+                self.lines[(*path, key)] = line
+        return mapping
+
+    def _fault(self, line: int, path: Path_, sentence: str) -> None:
+        self.faults.append((line, f"line {line}{', ' if path else ''}{dotted(path)}: {sentence}."))
 
 
 def _parse(text: str, where: str) -> Any:
@@ -151,13 +166,18 @@ def _yaml_fault(error: YAMLError) -> str:
     problem, mark = "cannot be parsed", None
     if isinstance(error, MarkedYAMLError):
         problem, mark = error.problem or problem, error.problem_mark or error.context_mark
+        if problem.startswith("but "):
+            problem = f"{error.context}, {problem}"
     return (f"line {mark.line + 1}: " if mark else "") + f"is not valid YAML: {problem}."
 
 
-def _step_into(inner: Any, step: Step, assignment: str) -> Any:
+def _step_into(inner: Any, path: Path_, depth: int, assignment: str) -> Any:
+    """Return what step `depth` of a path leads to."""
+    step = path[depth]
     if isinstance(inner, dict) and step in inner:
         return inner[step]
     if isinstance(inner, list) and isinstance(step, int) and step < len(inner):
         return inner[step]
-    size = f"a list of {len(inner)}" if isinstance(inner, list) else "this config"
-    raise Wm3dError(f"--set {assignment}: there is no {step!r} in {size}; indices count from 0.")
+    where = dotted(path[:depth]) or "this config"
+    size = f", a list of {len(inner)}; indices count from 0" if isinstance(inner, list) else ""
+    raise Wm3dError(f"--set {assignment}: there is no {step!r} in {where}{size}.")
