@@ -1,5 +1,6 @@
 """The verbs of the Python interface: embed and detect."""
 
+import operator
 from typing import Any
 
 from wm3d.errors import Wm3dError
@@ -52,12 +53,21 @@ def embed(
         chosen = scheme
     else:
         chosen = SCHEMES.build(scheme, parameters)
-    if not 0 <= seed < 1 << 256:
-        raise Wm3dError(f"the seed is {seed}; it must lie between 0 and 2^256 − 1.")
+    seed = _checked_seed(seed)
     if snr is not None:
         chosen = chosen.at_snr(mesh, seed, snr)
     marked, chosen = chosen.embed(mesh, seed)
     return marked, Key(chosen, seed)
+
+
+def _checked_seed(seed: Any) -> int:
+    try:
+        value = int(operator.index(seed))
+    except TypeError:
+        value = -1
+    if not 0 <= value < 1 << 256:
+        raise Wm3dError(f"the seed is {seed!r}; it must be an integer from 0 to 2^256 − 1.")
+    return value
 
 
 def detect(mesh: Mesh, key: Key) -> Score:

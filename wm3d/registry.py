@@ -39,7 +39,10 @@ class Registry(Mapping[str, type[T]], Generic[T]):
     def _classes(self) -> dict[str, type[T]]:
         classes = {component_name(cls): cls for cls in self._builtin}
         for point in sorted(entry_points(group=f"wm3d.{self.kind}s"), key=lambda point: point.name):
-            cls = point.load()
+            try:
+                cls = point.load()
+            except Exception as error:  # whatever foreign code may do when it is imported
+                raise Wm3dError(f"the entry point {point.value} cannot be loaded ({error}).") from error
             if not (isinstance(cls, type) and issubclass(cls, self._base)):
                 raise Wm3dError(
                     f"the entry point {point.value} is not a {self.kind}: it must derive from "

@@ -1,0 +1,91 @@
+"""Keys: everything that detection needs, through JSON and back, and every way in which a file is no key."""
+
+import json
+
+import numpy as np
+import pytest
+from shapes import blob
+
+from wm3d import Key, Wm3dError, detect, embed
+from wm3d.imagemarks import GgdLrt
+from wm3d.schemes import Song2002
+
+KEY = Key(
+    Song2002(grid=(84, 120), region=(26, 4, 80, 72), alpha=0.9, miss="exclude", detector=GgdLrt(shape="ml")),
+    seed=2**255 + 12345,
+)
+GOOD = {"format": "wm3d-key-1", "seed": 7, "scheme": {"name": "song2002"}}
+
+
+def test_key_comes_back_from_its_file_and_finds_the_mark(tmp_path):
+    KEY.save(tmp_path / "key.json")
+    assert Key.load(tmp_path / "key.json") == KEY
+    marked, _ = KEY.scheme.embed(blob(0, 5), KEY.seed)
+    assert Key.load(tmp_path / "key.json").score(marked).z == KEY.score(marked).z > 10
+
+
+def test_key_file_names_every_parameter_so_that_later_defaults_do_not_matter(tmp_path):
+    Key(Song2002(), 1).save(tmp_path / "key.json")
+    content = json.loads((tmp_path / "key.json").read_text())
+    assert set(content["scheme"]) == set(Song2002.model_fields)
+    assert content["scheme"]["detector"] == {"name": "ggd-lrt", "shape": 0.8}
+
+
+def test_key_of_embed_is_all_that_detect_needs(tmp_path):
+    mesh = blob(0, 5)
+    marked, key = embed(mesh, seed=7, snr=50.0, grid=(40, 44), region=(2, 0, 40, 40))
+    key.save(tmp_path / "key.json")
+    result = detect(marked, Key.load(tmp_path / "key.json"))
+    assert result.detected(1e-6)
+    assert not detect(mesh, key).detected(1e-6)
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (b"", "is not a key file: it holds no JSON"),
+        (b"\xff\xfe\x00", "is not a key file: it holds no JSON"),
+        (b"[" * 100_000, "is not a key file: it holds no JSON"),
+        (b"[1, 2]", 'is not a key file: "format" must be "wm3d-key-1"'),
+        ({**GOOD, "format": "wm3d-key-9"}, 'is not a key file: "format" must be "wm3d-key-1"'),
+        ({**GOOD, "seed": -1}, '"seed" is -1, not an integer from 0 to'),
+        ({**GOOD, "seed": 1 << 256}, "not an integer from 0 to"),
+        ({**GOOD, "seed": 7.0}, '"seed" is 7.0, not an integer'),
+        ({**GOOD, "seed": "7"}, "\"seed\" is '7', not an integer"),
+        ({**GOOD, "seed": True}, '"seed" is True, not an integer'),
+        ({"format": "wm3d-key-1", "scheme": {"name": "song2002"}}, '"seed" is None, not an integer'),
+        ({**GOOD, "scheme": "song2002"}, '"scheme" must hold the name and parameters'),
+        ({**GOOD, "scheme": {"name": ["song2002"]}}, '"scheme" must hold the name and parameters'),
+        ({**GOOD, "scheme": {"name": "song2003"}}, "unknown scheme 'song2003'; did you mean 'song2002'?"),
+        ({**GOOD, "scheme": {"name": "song2002", "aplha": 1}}, "unknown parameter 'aplha', did you"),
+        ({**GOOD, "scheme": {"name": "song2002", "alpha": float("inf")}}, "alpha = inf: input should be"),
+        ({**GOOD, "scheme": {"name": "song2002", "grid": [40, 40]}}, "do not fit a grid of 40 rows"),
+        ({**GOOD, "scheme": {"name": "song2002", "grid": None}}, "grid = None: "),
+        ({**GOOD, "scheme": {"name": "song2002", "detector": {"name": "best"}}}, "best"),
+    ],
+)  # fmt: skip
+def test_malformed_key_is_refused_in_one_sentence(tmp_path, content, sentence):
+    path = tmp_path / "key.json"
+    path.write_bytes(content if isinstance(content, bytes) else json.dumps(content).encode())
+    with pytest.raises(Wm3dError) as refusal:
+        Key.load(path)
+    assert str(refusal.value).startswith(f"{path}: ")
+    assert sentence in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_missing_key_file_is_named(tmp_path):
+    with pytest.raises(Wm3dError, match=r"none\.json: cannot be read \(No such file"):
+        Key.load(tmp_path / "none.json")
+
+
+@pytest.mark.parametrize("seed", [-1, 1 << 256, 1.5, "7", None])
+def test_embed_refuses_what_no_key_can_hold(seed):
+    with pytest.raises(Wm3dError, match=r"the seed is .*; it must be an integer from 0 to"):
+        embed(blob(0, 3), seed=seed)
+
+
+def test_embed_takes_the_integers_of_numpy(tmp_path):
+    _, key = embed(blob(0, 3), seed=np.int64(7))
+    key.save(tmp_path / "key.json")
+    assert Key.load(tmp_path / "key.json") == key

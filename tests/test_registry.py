@@ -1,0 +1,98 @@
+"""Registries: built-in components, those of installed packages, and what they say to a wrong name."""
+
+from importlib.metadata import EntryPoint
+from typing import Annotated, Literal
+
+import pytest
+from pydantic import Field
+
+from wm3d.component import Component
+from wm3d.errors import Wm3dError
+from wm3d.registry import Registry
+
+
+class Paint(Component):
+    """Base of the paints."""
+
+
+class Red(Paint):
+    name: Literal["red"] = "red"
+    shade: Annotated[float, Field(ge=0, le=1)] = 0.5
+    coats: int = 1
+
+
+class Blue(Paint):
+    name: Literal["blue"] = "blue"
+
+
+class Crimson(Paint):
+    name: Literal["red"] = "red"
+
+
+@pytest.fixture
+def plugins(monkeypatch):
+    """List of (entry point name, object reference) that stand for installed packages."""
+    listed: list[tuple[str, str]] = []
+
+    def entry_points(group: str) -> list[EntryPoint]:
+        return [EntryPoint(name, value, group) for name, value in listed] if group == "wm3d.paints" else []
+
+    monkeypatch.setattr("wm3d.registry.entry_points", entry_points)
+    return listed
+
+
+def paints() -> Registry[Paint]:
+    return Registry("paint", Paint, Red)
+
+
+def test_builtin_components_are_built_by_name():
+    registry = paints()
+    assert list(registry) == ["red"]
+    assert len(registry) == 1
+    assert "red" in registry
+    assert registry["red"] is Red
+    assert registry.build("red", {"shade": 0.25}) == Red(shade=0.25)
+
+
+def test_installed_packages_add_theirs(plugins):
+    plugins.append(("anything", f"{__name__}:Blue"))
+    assert paints().build("blue", {}) == Blue()
+
+
+def test_unknown_name_is_answered_with_the_nearest_or_all():
+    with pytest.raises(Wm3dError, match=r"^unknown paint 'rde'; did you mean 'red'\?$"):
+        paints()["rde"]
+    with pytest.raises(Wm3dError, match=r"^unknown paint 'green'; known: red\.$"):
+        paints()["green"]
+
+
+def test_all_wrong_parameters_stand_in_one_sentence():
+    with pytest.raises(Wm3dError) as refusal:
+        paints().build("red", {"shade": 7, "coats": "many", "shaed": 1})
+    sentence = str(refusal.value)
+    assert sentence.startswith("paint red: ")
+    assert "shade = 7: input should be less than or equal to 1" in sentence
+    assert "coats = 'many': " in sentence
+    assert "unknown parameter 'shaed', did you mean 'shade'?" in sentence
+    assert "\n" not in sentence
+
+
+@pytest.mark.parametrize(
+    ("target", "sentence"),
+    [
+        ("Crimson", "the paint name 'red' is taken; .*:Crimson must use another"),
+        ("Registry", "the entry point .*:Registry is not a paint: it must derive from .*Paint"),
+        ("plugins", "the entry point .*:plugins is not a paint"),
+        ("Nothing", "the entry point .*:Nothing cannot be loaded"),
+    ],
+)
+def test_a_plugin_that_does_not_fit_is_named(plugins, target, sentence):
+    plugins.append(("plugin", f"{__name__}:{target}"))
+    with pytest.raises(Wm3dError, match=sentence):
+        len(paints())
+
+
+def test_a_plugin_that_cannot_be_imported_is_named(plugins):
+    plugins.append(("plugin", "no_such_package.module:Paint"))
+    with pytest.raises(Wm3dError, match=r"the entry point no_such_package.module:Paint cannot be loaded"):
+        len(paints())
