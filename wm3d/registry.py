@@ -6,7 +6,8 @@ from functools import cached_property
 from importlib.metadata import entry_points
 from typing import Any, Generic, TypeVar
 
-from pydantic import ValidationError
+from pydantic import GetCoreSchemaHandler, ValidationError
+from pydantic_core import CoreSchema, core_schema
 
 from wm3d.component import Component
 from wm3d.errors import Wm3dError
@@ -84,6 +85,23 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         except ValidationError as error:
             faults = describe(error, cls)
             raise Wm3dError(f"{self.kind} {name}: {faults}" + "." * (not faults.endswith("?"))) from None
+
+
+class OneOf:
+    """Pydantic annotation of a field: one registered component, told apart by its `name`.
+
+    Parameters
+    ----------
+    registry : Registry
+        Read when the model that has the field is built.
+    """
+
+    def __init__(self, registry: Registry[Any]) -> None:
+        self.registry = registry
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        choices = {name: handler.generate_schema(cls) for name, cls in self.registry.items()}
+        return core_schema.tagged_union_schema(choices, discriminator="name")
 
 
 def component_name(cls: type[Component]) -> str:

@@ -1,16 +1,29 @@
-"""Gaussian noise on the coordinates of the vertices (section IV of the paper)."""
+"""Noise on the coordinates: Gaussian (section IV of the paper) and uniform (LIRIS benchmark)."""
 
 import math
+from abc import abstractmethod
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
 from wm3d.attacks.base import Attack
+from wm3d.attacks.surface import mean_radius
 from wm3d.mesh import Mesh
 
 
-class GaussianNoise(Attack):
+class Noise(Attack):
+    """Independent noise of mean 0 on every coordinate; what all kinds of it share."""
+
+    @abstractmethod
+    def sigma_percent(self, mesh: Mesh) -> float:
+        """Return the standard deviation of each coordinate, in percent of the bounding box's diagonal.
+
+        The one unit in which every noise can be compared.
+        """
+
+
+class GaussianNoise(Noise):
     """Independent Gaussian noise on every coordinate.
 
     Attributes
@@ -28,14 +41,39 @@ class GaussianNoise(Attack):
     percent: Annotated[float, Field(ge=0)] = 0.6
     amplitude: Literal["rms-vector", "per-axis"] = "rms-vector"
 
-    @property
-    def sigma_percent(self) -> float:
-        """Standard deviation of each coordinate, in percent of the diagonal."""
+    def sigma_percent(self, mesh: Mesh) -> float:  # noqa: ARG002 (the same for every mesh)
+        """Return the standard deviation of each coordinate, in percent of the diagonal."""
         return self.percent if self.amplitude == "per-axis" else self.percent / math.sqrt(3)
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         """Return the noisy mesh; see `Attack`."""
         vertices = rng.standard_normal(mesh.vertices.shape)
-        vertices *= self.sigma_percent / 100 * mesh.diagonal
+        vertices *= self.sigma_percent(mesh) / 100 * mesh.diagonal
+        vertices += mesh.vertices
+        return mesh.with_vertices(vertices)
+
+
+class UniformNoise(Noise):
+    """Each coordinate moved uniformly in ±A, as in the LIRIS benchmark (Wang et al., SMI 2010).
+
+    Attributes
+    ----------
+    percent : float
+        A in percent of r̄, the mean distance of the vertices from their mean; 0.05 to 0.5 in the benchmark.
+    """
+
+    name: Literal["uniform-noise"] = "uniform-noise"
+    legend: ClassVar[tuple[str, ...]] = ("percent",)
+
+    percent: Annotated[float, Field(ge=0)] = 0.5
+
+    def sigma_percent(self, mesh: Mesh) -> float:
+        """Return the standard deviation of each coordinate, A/√3, in percent of the diagonal."""
+        return self.percent * mean_radius(mesh) / mesh.diagonal / math.sqrt(3)
+
+    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
+        """Return the noisy mesh; see `Attack`."""
+        vertices = rng.uniform(-1, 1, mesh.vertices.shape)
+        vertices *= self.percent / 100 * mean_radius(mesh)
         vertices += mesh.vertices
         return mesh.with_vertices(vertices)

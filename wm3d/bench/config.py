@@ -2,33 +2,35 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, ValidationError
-from pydantic_core import CoreSchema, core_schema
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
 
 from wm3d.attacks import ATTACKS, Attack
 from wm3d.bench.faults import describe_faults
+from wm3d.bench.suites import load_suite
 from wm3d.bench.yamlfile import Document, read_yaml
 from wm3d.component import Component
 from wm3d.errors import Wm3dError
-from wm3d.registry import Registry
+from wm3d.registry import OneOf
 from wm3d.schemes import SCHEMES, Scheme
-
-
-class _OneOf:
-    """Pydantic annotation: one registered component, told apart by its `name`."""
-
-    def __init__(self, registry: Registry[Any]) -> None:
-        self.registry = registry
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        choices = {name: handler.generate_schema(cls) for name, cls in self.registry.items()}
-        return core_schema.tagged_union_schema(choices, discriminator="name")
 
 
 class _Strict(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+def _known_suite(name: str) -> str:
+    load_suite(name)
+    return name
 
 
 class Case(_Strict):
@@ -42,7 +44,7 @@ class Case(_Strict):
     """
 
     meshes: Annotated[tuple[str, ...], Field(min_length=1)]
-    schemes: Annotated[tuple[Annotated[Scheme, _OneOf(SCHEMES)], ...], Field(min_length=1)]
+    schemes: Annotated[tuple[Annotated[Scheme, OneOf(SCHEMES)], ...], Field(min_length=1)]
 
 
 class Experiment(_Strict):
@@ -71,6 +73,8 @@ class Experiment(_Strict):
     pf : tuple of float
         False-alarm probabilities at which tables quote Pd.
     cases : tuple of Case
+    suites : tuple of str
+        Lists of attacks that come with wm3d, by name; their attacks are run after those listed.
     attacks : tuple of Attack
     """
 
@@ -90,7 +94,18 @@ class Experiment(_Strict):
         1e-12,
     )
     cases: Annotated[tuple[Case, ...], Field(min_length=1)]
-    attacks: Annotated[tuple[Annotated[Attack, _OneOf(ATTACKS)], ...], Field(min_length=1)]
+    suites: Annotated[tuple[Annotated[str, AfterValidator(_known_suite)], ...], Field(exclude=True)] = ()
+    attacks: Annotated[tuple[Annotated[Attack, OneOf(ATTACKS)], ...], Field(validate_default=True)] = ()
+
+    @field_validator("attacks")
+    @classmethod
+    def _with_suites(cls, attacks: tuple[Attack, ...], info: ValidationInfo) -> tuple[Attack, ...]:
+        """Append the attacks of the suites, each once: the config as run names every attack itself."""
+        suites = info.data.get("suites", ())
+        merged = [*attacks, *(attack for suite in suites for attack in load_suite(suite))]
+        if not merged and "suites" in info.data:
+            raise ValueError("must have 1 or more items, or name suites")
+        return tuple(dict.fromkeys(merged))
 
     @property
     def mesh_names(self) -> list[str]:

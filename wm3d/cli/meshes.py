@@ -45,7 +45,7 @@ def attack(
     """
     import numpy as np
 
-    from wm3d.attacks import ATTACKS, GaussianNoise
+    from wm3d.attacks import ATTACKS, Noise
     from wm3d.mesh import check_target, save_mesh
 
     chosen = ATTACKS.build(name, assignments(pairs or ()))
@@ -56,8 +56,8 @@ def attack(
     typer.echo(f"{source} -> {target}: {chosen.label()}")
     typer.echo(f"vertices {len(mesh.vertices)} -> {len(attacked.vertices)}")
     typer.echo(f"faces    {len(mesh.faces)} -> {len(attacked.faces)}")
-    if isinstance(chosen, GaussianNoise):
-        typer.echo(f"sigma per axis: {chosen.sigma_percent:.4g} % of the diagonal of the bounding box")
+    if isinstance(chosen, Noise):
+        typer.echo(f"sigma per axis: {chosen.sigma_percent(mesh):.4g} % of the diagonal of the bounding box")
 
 
 def scan(
