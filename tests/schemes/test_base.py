@@ -1,0 +1,49 @@
+"""What every scheme inherits: a strength that reaches a wanted SNR, even where moves are not proportional."""
+
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+import pytest
+from shapes import box
+
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh
+from wm3d.metrics import snr
+from wm3d.schemes import Scheme
+from wm3d.stats import RademacherSum
+
+
+class Swelling(Scheme):
+    """Marks a mesh by growing it, by a power of its strength."""
+
+    name: Literal["swelling"] = "swelling"
+    strength: ClassVar[str] = "growth"
+    growth: float = 0.1
+    power: float = 1.0
+
+    @property
+    def capacity(self) -> int:
+        return 1
+
+    def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:  # noqa: ARG002 (one signature)
+        return mesh.with_vertices((1 + self.growth**self.power) * mesh.vertices), self
+
+    def evidence(self, mesh: Mesh) -> RademacherSum:
+        return RademacherSum(0.0, np.array([mesh.diagonal]))
+
+
+@pytest.mark.parametrize("power", [0.6, 1.0, 1.4])
+def test_strength_reaches_the_wanted_snr(power):
+    scheme = Swelling(power=power).at_snr(box(), 0, 50.0)
+    assert snr(box(), scheme.embed(box(), 0)[0]) == pytest.approx(50, abs=1e-6)
+    assert scheme.growth**power == pytest.approx(10 ** (-50 / 20), rel=1e-6)
+
+
+def test_strength_that_does_not_settle_is_refused():
+    with pytest.raises(Wm3dError, match=r"^box: swelling .* cannot be set to an SNR of 50 dB\.$"):
+        Swelling(power=3.0).at_snr(box(), 0, 50.0)  # each correction overshoots by twice the miss
+
+
+def test_score_is_the_evidence_for_the_signs_of_the_seed():
+    scores = {Swelling().score(box(), seed).z for seed in range(20)}
+    assert scores == {-1.0, 1.0}
