@@ -7,7 +7,7 @@ from trimesh.remesh import subdivide, subdivide_loop
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.attacks.base import Attack
-from wm3d.attacks.surface import neighbour_mean, without_collapsed
+from wm3d.attacks.surface import neighbour_mean, without_collapsed, without_unused
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 
@@ -72,8 +72,9 @@ def sqrt3(mesh: Mesh) -> tuple[FloatArray, IntArray]:
 
 def _loop(mesh: Mesh) -> tuple[FloatArray, IntArray]:
     try:
-        with np.errstate(all="ignore"):  # vertices without faces divide by their valence of 0
-            vertices, faces = subdivide_loop(mesh.vertices, without_collapsed(mesh.faces), iterations=1)
+        # without vertices of valence 0, by which trimesh would divide
+        used = without_unused(mesh.vertices, without_collapsed(mesh.faces))
+        vertices, faces = subdivide_loop(*used, iterations=1)
     except ValueError as error:
         raise Wm3dError(
             f"{mesh.name}: subdivide loop needs a manifold surface ({error}); use midpoint or sqrt3."
