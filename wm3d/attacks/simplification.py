@@ -26,7 +26,6 @@ class Simplify(Attack):
     """
 
     name: Literal["simplify"] = "simplify"
-    version: ClassVar[int] = 2
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("ratio", "simplifier")
 
