@@ -50,7 +50,7 @@ def on_cluster(
         suspects = []
         while futures:
             try:
-                for future in as_completed(list(futures), timeout=PATIENCE):
+                for future in as_completed(list(futures), loop=client.loop, timeout=PATIENCE):
                     task = futures.pop(future)
                     try:
                         rows = future.result()

@@ -76,12 +76,11 @@ def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
                     started.add(index)
                     yield delayed(_numbered)(index, _needed(task, meshes), task)
 
-            # one call ahead for each worker: those in flight are the suspects
-            parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
+            with parallel_config(backend="loky", n_jobs=workers, inner_max_num_threads=1):
+                # no calls ahead: those in flight are the suspects
+                parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
             try:
-                with parallel_config(backend="loky", n_jobs=workers, inner_max_num_threads=1):
-                    results = parallel(calls(left, started))
-                for index, rows in results:
+                for index, rows in parallel(calls(left, started)):
                     yield left.pop(index), rows
             except TerminatedWorkerError:
                 suspects += [left.pop(index) for index in sorted(started & left.keys())]

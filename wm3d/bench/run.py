@@ -1,7 +1,7 @@
 """One experiment from config to figures: plan, run what is missing, report what is there."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -82,31 +82,45 @@ def run_config(
         started = datetime.now(UTC)
         directory.begin(write_yaml(experiment.model_dump(mode="json")))
         lost = _run_missing(cells, meshes, directory, workers, dask)
-        stored = [cell for cell in cells if directory.cell_path(cell.digest).exists()]
-        directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost))
+        stored = [cell for cell in cells if cell not in lost]
+        lost_trials = sum(cell.trials for cell in lost)
+        directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost_trials))
         failed = write_report(directory.path).failed
         print_summary(directory)
-    return Outcome(directory.path, lost + failed)
+    return Outcome(directory.path, lost_trials + failed)
 
 
 def _run_missing(
     cells: list[Cell], meshes: Mapping[str, Mesh], directory: RunDirectory, workers: int, dask: str | None
-) -> int:
-    """Run the cells that the directory does not hold; return the number of trials that were lost."""
+) -> list[Cell]:
+    """Run the cells that the directory does not hold; return those that were lost with their workers."""
     missing = [cell for cell in cells if not _held(cell, directory)]
     todo = tasks(missing)
     if len(missing) < len(cells):
         print(f"{len(cells) - len(missing)} of {len(cells)} cells are there already.", file=sys.stderr)
-    trials_left = sum(task.trials for task in todo)
-    with reporter(len(missing), trials_left) as progress:
+    left = {cell.digest: cell for cell in missing}
+    with reporter(len(missing), sum(cell.trials for cell in missing)) as progress:
         for task, rows in execute(todo, meshes, workers, dask):
-            for digest, cell_rows in rows.items():
-                directory.write_cell(digest, cell_rows)
-            trials_left -= task.trials
+            for cell in task.cells:
+                directory.write_cell(cell.digest, rows[cell.digest])
+                del left[cell.digest]
             progress.advance(len(task.cells), task.trials)
-        if trials_left:
-            progress.note(f"{trials_left} trials are lost: their worker died each time; run again to retry.")
-    return trials_left
+    _tell_lost(left.values())
+    return list(left.values())
+
+
+def _tell_lost(cells: Iterable[Cell]) -> None:
+    """Say which trials have no rows because their worker died."""
+    lost: dict[tuple[str, str, str], int] = {}
+    for cell in cells:
+        names = (cell.mesh, cell.scheme.label(), cell.attack.label())
+        lost[names] = lost.get(names, 0) + cell.trials
+    for names, trials in lost.items():
+        print(
+            f"{', '.join(names)}: {trials} trials are lost, for their worker died each time; "
+            "run again to retry.",
+            file=sys.stderr,
+        )
 
 
 def _held(cell: Cell, directory: RunDirectory) -> bool:
