@@ -5,7 +5,7 @@ import pytest
 from shapes import blob
 
 from wm3d.attacks import Simplify
-from wm3d.attacks.clustering import cluster
+from wm3d.attacks.clustering import cluster, count_faces
 from wm3d.mesh import Mesh, is_closed, signed_volume
 
 ENGINES = {"fast-simplification": 2, "pymeshlab-quadric": 2, "clustering": 30}
@@ -71,3 +71,11 @@ def test_clustering_ignores_vertices_that_no_face_uses():
         cluster(stray.vertices, stray.faces, 0.2), cluster(mesh.vertices, mesh.faces, 0.2), strict=True
     ):
         np.testing.assert_array_equal(result, expected)
+
+
+def test_faces_are_counted_as_clustering_leaves_them(bunny):
+    for size in (0.004, 0.01, 0.03, 0.1):
+        size *= bunny.diagonal
+        assert count_faces(bunny.vertices, bunny.faces, size) == len(
+            cluster(bunny.vertices, bunny.faces, size)[1]
+        )
