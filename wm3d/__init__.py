@@ -12,13 +12,14 @@ if TYPE_CHECKING:
     from wm3d import attacks, schemes, stats
     from wm3d.api import detect, embed
     from wm3d.mesh import Mesh, load_mesh, save_mesh
-    from wm3d.metrics import snr
+    from wm3d.metrics import compare, snr
     from wm3d.scanner import scan
     from wm3d.schemes import Key
 else:
     _HOMES = {
         "Key": "wm3d.schemes",
         "Mesh": "wm3d.mesh",
+        "compare": "wm3d.metrics",
         "detect": "wm3d.api",
         "embed": "wm3d.api",
         "load_mesh": "wm3d.mesh",
@@ -45,6 +46,7 @@ __all__ = [
     "Mesh",
     "Wm3dError",
     "attacks",
+    "compare",
     "detect",
     "embed",
     "load_mesh",

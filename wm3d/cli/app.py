@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from wm3d.cli.comparison import compare
 from wm3d.cli.experiments import report, run
 from wm3d.cli.listing import data, list_components
 from wm3d.cli.marks import detect, embed
@@ -24,7 +25,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit status: 0 done; 1 `detect` found no mark, or trials of `run` failed; 2 bad input.",
 )
-for command in (run, report, embed, detect, attack, scan):
+for command in (run, report, embed, detect, attack, scan, compare):
     app.command()(command)
 app.command("list")(list_components)
 app.add_typer(data, name="data")
@@ -38,7 +39,7 @@ def _root(
     """Benchmark watermarks in 3D meshes; mark a mesh, and look for the mark later.
 
     `run` and `report` do whole experiments from a YAML config. `embed` and `detect` work on single meshes;
-    `attack` and `scan` show what happens in between.
+    `attack` and `scan` show what happens in between, `compare` what it does to the shape.
 
     Example: wm3d run configs/quickstart.yaml
 

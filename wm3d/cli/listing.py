@@ -2,18 +2,17 @@
 
 import inspect
 import json
-import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
 import typer
+
+from wm3d.cli.table import print_table
 
 if TYPE_CHECKING:
     from wm3d.component import Component
 
 Kind = Literal["schemes", "attacks", "detectors", "metrics", "poses"]
-UNBOUNDED = 10_000
-"""Columns of output that is not a terminal: lines are not wrapped."""
 
 data = typer.Typer(help="Named meshes: list, download, find them.", no_args_is_help=False)
 
@@ -26,20 +25,26 @@ def list_components(
     """List what configs and commands can name.
 
     A line holds the name, the parameters with their defaults, and what it is. Where a parameter is one of a
-    few words, the default stands first.
+    few words, the default stands first. A metric has its unit and what it needs instead.
 
     Example: wm3d list attacks
     """
     if kind == "metrics":
         from wm3d.metrics import METRICS
 
-        rows = [
-            (name, " ".join(inspect.signature(metric).parameters), _summary(metric))
+        metrics = [
+            (
+                name,
+                metric.unit.replace("_", " "),
+                "same vertices" if metric.same_vertices else "",
+                _summary(metric.function),
+            )
             for name, metric in METRICS.items()
         ]
-    else:
-        rows = [(name, _parameters(cls), _summary(cls)) for name, cls in _components(kind).items()]
-    _print_table(("NAME", "PARAMETERS", "WHAT IT IS"), rows)
+        print_table(("NAME", "UNIT", "NEEDS", "WHAT IT IS"), metrics)
+        return
+    rows = [(name, _parameters(cls), _summary(cls)) for name, cls in _components(kind).items()]
+    print_table(("NAME", "PARAMETERS", "WHAT IT IS"), rows)
 
 
 @data.command("list")
@@ -63,7 +68,7 @@ def data_list() -> None:
         )
         for info in datasets.info()
     ]
-    _print_table(("NAME", "VERTICES", "FACES", "HERE", "SOURCE"), rows)
+    print_table(("NAME", "VERTICES", "FACES", "HERE", "SOURCE"), rows)
 
 
 Name = Annotated[str, typer.Argument(metavar="NAME", help="One of `wm3d data list`.")]
@@ -133,20 +138,3 @@ def _text(default: Any) -> str:
         return default
     name = getattr(default, "name", None)  # a component as a parameter
     return str(name) if name else json.dumps(default, separators=(",", ":"))
-
-
-def _print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print columns: wrapped to the width of a terminal, else one line a row for other programs to read."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Column, Table
-
-    terminal = sys.stdout.isatty()
-    columns = [Column(title, overflow="fold") for title in header]
-    table = Table(*columns, box=box.SIMPLE_HEAD if terminal else None, pad_edge=False, padding=(0, 2, 0, 0))
-    for row in rows:
-        table.add_row(*row)
-    console = Console(width=None if terminal else UNBOUNDED, highlight=False, markup=False)
-    with console.capture() as printed:
-        console.print(table)
-    typer.echo("\n".join(line.rstrip() for line in printed.get().rstrip().split("\n")))

@@ -1,7 +1,23 @@
 """Distortion between two meshes."""
 
+from wm3d.metrics.compare import METRICS, Measurement, compare, measure
+from wm3d.metrics.metric import Metric
+from wm3d.metrics.psnr import psnr
 from wm3d.metrics.snr import snr
+from wm3d.metrics.surface import hausdorff, hausdorff_error, mrms, normal_deviation
+from wm3d.metrics.volume import volume_change
 
-METRICS = {"snr": snr}
-
-__all__ = ["METRICS", "snr"]
+__all__ = [
+    "METRICS",
+    "Measurement",
+    "Metric",
+    "compare",
+    "hausdorff",
+    "hausdorff_error",
+    "measure",
+    "mrms",
+    "normal_deviation",
+    "psnr",
+    "snr",
+    "volume_change",
+]

@@ -18,11 +18,16 @@ def snr(original: Mesh, marked: Mesh) -> float:
     Wm3dError
         If the meshes do not have the same number of vertices.
     """
-    if original.vertices.shape != marked.vertices.shape:
-        raise Wm3dError(
-            f"SNR compares vertex by vertex, but {original.name} has {len(original.vertices)} vertices and "
-            f"{marked.name} has {len(marked.vertices)}."
-        )
+    check_same_vertices("SNR", original, marked)
     signal = float(np.var(original.vertices, axis=0).sum())
     noise = float(np.var(marked.vertices - original.vertices, axis=0).sum())
     return math.inf if noise == 0 else 10 * math.log10(signal / noise)
+
+
+def check_same_vertices(metric: str, original: Mesh, marked: Mesh) -> None:
+    """Raise `Wm3dError` unless both meshes have the same number of vertices."""
+    if original.vertices.shape != marked.vertices.shape:
+        raise Wm3dError(
+            f"{metric} compares vertex by vertex, but {original.name} has {len(original.vertices)} vertices "
+            f"and {marked.name} has {len(marked.vertices)}."
+        )

@@ -1,0 +1,149 @@
+"""Distances between two surfaces, whatever their connectivity: Hausdorff, MRMS and the deviation of normals.
+
+All three are two-sided and take exact distances of points on one surface from the faces of the other. The
+points are the vertices and the centroids of cells: faces bisected until no edge is longer than `SPACING`.
+"""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from wm3d.arrays import FloatArray
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh
+from wm3d.metrics.surface import kernels
+from wm3d.metrics.surface.nearest import Nearest, Surface
+
+SPACING = 0.005
+"""Longest edge of a cell, over the diagonal of the original's bounding box."""
+
+TOLERANCE = 1e-4
+"""Wanted error of the Hausdorff distance, over the same diagonal."""
+
+MOST_CELLS = 200_000
+"""Cells that are split at most to bring the error of the Hausdorff distance down to `TOLERANCE`."""
+
+
+class OneWay(NamedTuple):
+    """What lies between one surface and the nearest points of the other, in mesh units.
+
+    The true greatest distance lies between `farthest` and `farthest` + `farthest_error`, the true root mean
+    square within `rms` ± `rms_error`. `angle` is the mean angle between the normals, in degrees. `rms` and
+    `angle` are NaN for a surface without area.
+    """
+
+    farthest: float
+    farthest_error: float
+    rms: float
+    rms_error: float
+    angle: float
+
+
+def hausdorff(original: Mesh, other: Mesh) -> float:
+    """Two-sided Hausdorff distance, the greatest distance of any point of one surface from the other.
+
+    Returns
+    -------
+    float
+        In mesh units; never above the true distance, and below it by at most `hausdorff_error`.
+    """
+    return max(way.farthest for way in both_ways(original, other))
+
+
+def hausdorff_error(original: Mesh, other: Mesh) -> float:
+    """Bound on how far `hausdorff` is below the true distance, in mesh units.
+
+    `TOLERANCE` of the diagonal, unless that would take more than `MOST_CELLS` cells: where wide parts of the
+    surfaces are equally far from each other and differ in tessellation.
+    """
+    ways = both_ways(original, other)
+    return max(way.farthest + way.farthest_error for way in ways) - hausdorff(original, other)
+
+
+def mrms(original: Mesh, other: Mesh) -> float:
+    """Maximum of the two root mean square distances, each over the area of one surface from the other.
+
+    Returns
+    -------
+    float
+        In mesh units; off the true value by at most `SPACING` / √12 of the diagonal, and in practice far
+        less: the distances at the centroids of the cells stand for the cells.
+
+    Raises
+    ------
+    Wm3dError
+        If a surface has no area.
+    """
+    _check_area(original, other)
+    return max(way.rms for way in both_ways(original, other))
+
+
+def normal_deviation(original: Mesh, other: Mesh) -> float:
+    """Mean angle between the face normals at nearest points of the two surfaces, in degrees.
+
+    For each point of a surface, the nearest point of the other; the mean is over the area and both
+    directions. Normals follow the winding of the faces. Where the nearest point lies on an edge, the normal
+    is that of one of its faces.
+
+    Raises
+    ------
+    Wm3dError
+        If a surface has no area.
+    """
+    _check_area(original, other)
+    there, back = both_ways(original, other)
+    return (there.angle + back.angle) / 2
+
+
+# the metrics of one pair are asked for one after the other, and share nearly all of their work
+@lru_cache(maxsize=1)
+def both_ways(original: Mesh, other: Mesh) -> tuple[OneWay, OneWay]:
+    """Measure from the original to the other surface, and back."""
+    origin, unit = original.vertices.mean(axis=0), original.diagonal
+    a, b = (Surface((mesh.vertices - origin) / unit, mesh.faces) for mesh in (original, other))
+    return _one_way(a, b, unit), _one_way(b, a, unit)
+
+
+def _check_area(*meshes: Mesh) -> None:
+    for mesh, way in zip(meshes, both_ways(*meshes), strict=True):
+        if math.isnan(way.rms):
+            raise Wm3dError(f"{mesh.name}: its faces have no area, which a mean over the surface needs.")
+
+
+def _one_way(source: Surface, target: Surface, unit: float) -> OneWay:
+    cells, face = kernels.cells(source.corners, SPACING)
+    centroids, areas, reach, spread = kernels.moments(cells)
+    found = target.nearest(centroids)
+    farthest = max(found.distance.max(), target.nearest(source.points).distance.max())
+    farthest, error = _refine(cells, reach, found, target, farthest)
+    total = areas.sum()
+    if total == 0:
+        return OneWay(farthest * unit, error * unit, math.nan, math.nan, math.nan)
+    rms, rms_error = np.sqrt(areas @ found.distance**2 / total), np.sqrt(areas @ spread / total)
+    angle = areas @ kernels.angles(source.normals, target.normals, face, found.face) / total
+    return OneWay(farthest * unit, error * unit, rms * unit, rms_error * unit, math.degrees(angle))
+
+
+def _refine(
+    cells: FloatArray, reach: FloatArray, found: Nearest, target: Surface, farthest: float
+) -> tuple[float, float]:
+    """Split the cells that may hold a point beyond `farthest`; return the farthest found, and its error."""
+    ceiling, spent, spacing = farthest, 0, SPACING
+    while True:
+        # the distance from a surface grows no faster than the way gone
+        upper = found.distance + reach
+        may = np.flatnonzero(upper > farthest + TOLERANCE)
+        corners = kernels.farthest_corner(cells[may], target.corners, found.face[may])
+        upper[may] = np.minimum(upper[may], np.sqrt(corners))
+        may = may[upper[may] > farthest + TOLERANCE]
+        spent += len(may)
+        if len(may) == 0 or spent > MOST_CELLS:
+            return farthest, max(ceiling, upper.max()) - farthest
+        ceiling = max(ceiling, upper[upper <= farthest + TOLERANCE].max(initial=0.0))
+        spacing *= 0.7
+        cells, _ = kernels.cells(cells[may], spacing)
+        centroids, _, reach, _ = kernels.moments(cells)
+        found = target.nearest(centroids)
+        farthest = max(farthest, found.distance.max())

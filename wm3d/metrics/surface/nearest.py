@@ -1,0 +1,76 @@
+"""A surface that can be asked for its nearest point: triangles in a balanced tree of boxes."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wm3d.arrays import FloatArray, IntArray
+from wm3d.metrics.surface import kernels
+
+LEAF = 2
+"""Most triangles in a leaf of the tree."""
+
+
+class Nearest(NamedTuple):
+    """Nearest points of a surface: `distance` (k,), `face` (k,), barycentric `weights` (k, 3)."""
+
+    distance: FloatArray
+    face: IntArray
+    weights: FloatArray
+
+
+class Surface:
+    """The triangles of a mesh, for exact nearest-point queries.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray
+        Of the order of 1 in size: products of four lengths must neither overflow nor vanish.
+    faces : (m, 3) ndarray
+
+    Attributes
+    ----------
+    faces : (m, 3) ndarray
+        The faces, neighbours near each other. `Nearest.face` counts in this order.
+    corners : (m, 3, 3) ndarray
+        Their corners.
+    normals : (m, 3) ndarray
+        Twice their vector areas.
+    points : (k, 3) ndarray
+        The vertices that a face uses.
+    """
+
+    def __init__(self, vertices: FloatArray, faces: IntArray) -> None:
+        corners = vertices[faces]
+        depth = 0
+        while (len(faces) - 1) >> depth >= LEAF:
+            depth += 1
+        order = kernels.tree_order(np.ascontiguousarray(corners.mean(axis=1).T), depth)
+        self.faces, self.corners = faces[order], corners[order]
+        self._boxes = boxes(self.corners, depth)
+        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
+        self.normals = np.cross(b - a, c - a)
+        used = np.zeros(len(vertices), np.bool_)
+        used[faces] = True
+        self.points = vertices[used]
+
+    def nearest(self, points: FloatArray) -> Nearest:
+        """Return the nearest points to (k, 3) points; fast where points follow their neighbours."""
+        square, face, weights = kernels.nearest(points, self.corners, self._boxes)
+        return Nearest(np.sqrt(square), face, weights)
+
+
+def boxes(corners: FloatArray, depth: int) -> FloatArray:
+    """Return the boxes (2^(depth+1) − 1, 6), low corner then high, of a tree over triangles (m, 3, 3).
+
+    Node k of level l holds the triangles from ⌊m k / 2^l⌋ to ⌊m (k+1) / 2^l⌋. Its place is 2^l − 1 + k, so
+    that the children of place i are 2i + 1 and 2i + 2.
+    """
+    starts = len(corners) * np.arange(1 << depth) >> depth
+    low = np.minimum.reduceat(corners.min(axis=1), starts)
+    high = np.maximum.reduceat(corners.max(axis=1), starts)
+    levels = [np.column_stack([low, high])]
+    while len(low) > 1:
+        low, high = np.minimum(low[::2], low[1::2]), np.maximum(high[::2], high[1::2])
+        levels.append(np.column_stack([low, high]))
+    return np.vstack(levels[::-1])
