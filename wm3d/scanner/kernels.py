@@ -161,7 +161,7 @@ def _angles(posed: FloatArray, columns: int) -> FloatArray:
     return angle
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _windows(a: float, b: float, c: float, columns: int) -> tuple[tuple[int, int], tuple[int, int]]:
     """First and last column whose rays may meet a face before the axis, and those beyond it.
 
@@ -182,7 +182,7 @@ def _windows(a: float, b: float, c: float, columns: int) -> tuple[tuple[int, int
     return (math.ceil(left), math.floor(right)), (math.ceil(left + half), math.floor(right + half))
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _normal(posed: FloatArray, a: np.uintp, b: np.uintp, c: np.uintp, outward: int) -> tuple[float, float]:
     """(b−a)×(c−a) across the axis, with the sign that the left-handed s1, s2, s3 ask for."""
     d0, d1, d2 = posed[b, 0] - posed[a, 0], posed[b, 1] - posed[a, 1], posed[b, 2] - posed[a, 2]
@@ -204,7 +204,7 @@ def directions(columns: int) -> tuple[FloatArray, FloatArray]:
     return cosine, sine
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _lone_first(
     a: np.uintp, b: np.uintp, c: np.uintp, a_above: bool, b_above: bool, c_above: bool
 ) -> tuple[np.uintp, np.uintp, np.uintp]:
@@ -216,7 +216,7 @@ def _lone_first(
     return a, b, c
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _cut(posed: FloatArray, i: np.uintp, j: np.uintp, plane: float) -> tuple[float, float]:
     """Point (s2, s3) where an edge meets the plane: the same floats from either end, exact at the ends."""
     length = posed[j, 0] - posed[i, 0]
@@ -224,7 +224,7 @@ def _cut(posed: FloatArray, i: np.uintp, j: np.uintp, plane: float) -> tuple[flo
     return at_i * posed[i, 1] + at_j * posed[j, 1], at_i * posed[i, 2] + at_j * posed[j, 2]
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _hit(
     first: FloatArray, window: tuple[int, int], p: tuple[float, float], q: tuple[float, float],
     normal: tuple[float, float], cosine: FloatArray, sine: FloatArray,
