@@ -9,11 +9,12 @@ from wm3d.attacks.noise import GaussianNoise, UniformNoise
 from wm3d.attacks.order import Reorder
 from wm3d.attacks.printing import PrintScan
 from wm3d.attacks.quantization import Float32, Quantize
-from wm3d.attacks.remeshing import IsotropicRemesh, MarchingCubes, ScreenedPoisson
+from wm3d.attacks.remeshing import IsotropicRemesh, ScreenedPoisson
 from wm3d.attacks.similarity import Similarity
 from wm3d.attacks.simplification import Simplify
 from wm3d.attacks.smoothing import LaplacianSmoothing, TaubinSmoothing
 from wm3d.attacks.subdivision import Subdivide
+from wm3d.attacks.voxels import MarchingCubes
 from wm3d.registry import Registry
 
 BUILTIN: tuple[type[Attack], ...] = (

@@ -1,4 +1,4 @@
-"""Remeshing: another mesh of the same surface, from edge operations, a signed distance, or a Poisson solve.
+"""Remeshing: another mesh of the same surface, from edge operations or a Poisson solve.
 
 pymeshlab does the work. It is GPL, so it is imported only where one of these attacks is asked for.
 """
@@ -12,7 +12,7 @@ from pydantic import Field
 from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import without_unused
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, is_closed, orientation
+from wm3d.mesh import Mesh, orientation
 
 
 class Remeshing(Attack):
@@ -77,31 +77,6 @@ class IsotropicRemesh(Remeshing):
         meshes.meshing_isotropic_explicit_remeshing(
             iterations=self.iterations, targetlen=pymeshlab.PureValue(length), checksurfdist=False
         )
-
-
-class MarchingCubes(Remeshing):
-    """The zero level of a signed distance, sampled on a cubic grid (Lorensen & Cline 1987).
-
-    Attributes
-    ----------
-    cells : int
-        The grid has cells of 1/cells of the diagonal of the bounding box.
-    """
-
-    name: Literal["marching-cubes"] = "marching-cubes"
-    legend: ClassVar[tuple[str, ...]] = ("cells",)
-
-    cells: Annotated[int, Field(ge=8, le=1024)] = 128
-
-    def _filter(self, meshes: Any, mesh: Mesh) -> None:
-        import pymeshlab
-
-        if not is_closed(mesh):
-            raise Wm3dError(
-                f"{mesh.name}: {self.label()} needs a closed surface, to tell inside from outside; weld it, "
-                "close its holes, or use screened-poisson."
-            )
-        meshes.generate_resampled_uniform_mesh(cellsize=pymeshlab.PercentageValue(100 / self.cells))
 
 
 class ScreenedPoisson(Remeshing):

@@ -1,0 +1,76 @@
+"""Every attack on every mesh of the folder WM3D_DATA: CPU time, size of the result, or why it refuses.
+
+Usage: WM3D_DATA=FOLDER python experiments/attack_table.py
+
+Writes results/attacks/timing.csv. Attacks that need other marks of a scheme get noise in their place: the
+time of a scheme is no part of the attack.
+"""
+
+import os
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from wm3d.attacks import ATTACKS, Attack, GaussianNoise, MarchingCubes, Owner, RoundTrip, Subdivide
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh, load_mesh
+
+OUT = Path(__file__).parents[1] / "results" / "attacks" / "timing.csv"
+SEED = 2002
+VARIANTS: list[Attack] = [
+    *(cls() for cls in ATTACKS.values()),
+    MarchingCubes(cells=256),
+    Subdivide(rule="loop"),
+    Subdivide(rule="sqrt3"),
+    RoundTrip(format="stl", weld=True),
+    RoundTrip(format="obj"),
+]
+
+
+def other_mark(mesh: Mesh, seed: int) -> Mesh:
+    """Return the mesh with faint noise, in the place of a mark."""
+    return GaussianNoise(percent=0.01)(mesh, np.random.default_rng(seed))
+
+
+def row(mesh: Mesh, attack: Attack) -> dict[str, object]:
+    """Attack once; a crash of any kind but a refusal ends the script."""
+    run = attack.given(Owner(mesh, other_mark))
+    start = time.process_time()
+    try:
+        result, refusal = run(mesh, np.random.default_rng(SEED)), ""
+    except Wm3dError as error:
+        result, refusal = None, str(error)
+    seconds = time.process_time() - start
+    return {
+        "mesh": mesh.name,
+        "faces_in": len(mesh.faces),
+        "attack": attack.label(),
+        "cpu_seconds": round(seconds, 3),
+        "vertices_out": len(result.vertices) if result else 0,
+        "faces_out": len(result.faces) if result else 0,
+        "refusal": refusal,
+    }
+
+
+def main() -> None:
+    folder = os.environ.get("WM3D_DATA")
+    if not folder:
+        sys.exit("set WM3D_DATA to a folder of PLY meshes")
+    row(load_mesh(min(Path(folder).glob("*.ply"), key=lambda file: file.stat().st_size)), GaussianNoise())
+    rows = []
+    for file in sorted(Path(folder).glob("*.ply")):
+        mesh = load_mesh(file)
+        for attack in VARIANTS:
+            rows.append(row(mesh, attack))
+            print(*rows[-1].values(), sep="  ", flush=True)
+    OUT.parent.mkdir(parents=True, exist_ok=True)
+    partial = OUT.with_suffix(".partial")
+    pd.DataFrame(rows).to_csv(partial, index=False)
+    partial.replace(OUT)
+
+
+if __name__ == "__main__":
+    main()
