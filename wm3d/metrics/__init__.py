@@ -2,6 +2,7 @@
 
 from wm3d.metrics.compare import METRICS, Measurement, compare, measure
 from wm3d.metrics.metric import Metric
+from wm3d.metrics.perceptual import msdm, msdm2
 from wm3d.metrics.psnr import psnr
 from wm3d.metrics.snr import snr
 from wm3d.metrics.surface import hausdorff, hausdorff_error, mrms, normal_deviation
@@ -16,6 +17,8 @@ __all__ = [
     "hausdorff_error",
     "measure",
     "mrms",
+    "msdm",
+    "msdm2",
     "normal_deviation",
     "psnr",
     "snr",

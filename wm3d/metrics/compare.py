@@ -6,6 +6,7 @@ from typing import NamedTuple
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 from wm3d.metrics.metric import Metric
+from wm3d.metrics.perceptual import msdm, msdm2
 from wm3d.metrics.psnr import psnr
 from wm3d.metrics.snr import snr
 from wm3d.metrics.surface import hausdorff, mrms, normal_deviation
@@ -18,6 +19,8 @@ METRICS: dict[str, Metric] = {
     "mrms": Metric(mrms, unit="mesh_units"),
     "normal-deviation": Metric(normal_deviation, unit="deg"),
     "volume-change": Metric(volume_change, unit="percent"),
+    "msdm": Metric(msdm, same_vertices=True),
+    "msdm2": Metric(msdm2),
 }
 
 

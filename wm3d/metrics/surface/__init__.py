@@ -8,7 +8,7 @@ from wm3d.metrics.surface.distances import (
     mrms,
     normal_deviation,
 )
-from wm3d.metrics.surface.nearest import Nearest, Surface
+from wm3d.metrics.surface.nearest import Nearest, Surface, tree_order
 
 __all__ = [
     "Nearest",
@@ -19,4 +19,5 @@ __all__ = [
     "hausdorff_error",
     "mrms",
     "normal_deviation",
+    "tree_order",
 ]

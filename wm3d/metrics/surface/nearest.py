@@ -12,10 +12,11 @@ LEAF = 2
 
 
 class Nearest(NamedTuple):
-    """Nearest points of a surface: `distance` (k,), `face` (k,), barycentric `weights` (k, 3)."""
+    """Nearest points: `distance` (k,), `face` (k,), the `vertices` (k, 3) of it and their `weights` (k, 3)."""
 
     distance: FloatArray
     face: IntArray
+    vertices: IntArray
     weights: FloatArray
 
 
@@ -42,12 +43,9 @@ class Surface:
 
     def __init__(self, vertices: FloatArray, faces: IntArray) -> None:
         corners = vertices[faces]
-        depth = 0
-        while (len(faces) - 1) >> depth >= LEAF:
-            depth += 1
-        order = kernels.tree_order(np.ascontiguousarray(corners.mean(axis=1).T), depth)
+        order = tree_order(corners.mean(axis=1))
         self.faces, self.corners = faces[order], corners[order]
-        self._boxes = boxes(self.corners, depth)
+        self._boxes = boxes(self.corners)
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         self.normals = np.cross(b - a, c - a)
         used = np.zeros(len(vertices), np.bool_)
@@ -57,15 +55,30 @@ class Surface:
     def nearest(self, points: FloatArray) -> Nearest:
         """Return the nearest points to (k, 3) points; fast where points follow their neighbours."""
         square, face, weights = kernels.nearest(points, self.corners, self._boxes)
-        return Nearest(np.sqrt(square), face, weights)
+        return Nearest(np.sqrt(square), face, self.faces[face], weights)
 
 
-def boxes(corners: FloatArray, depth: int) -> FloatArray:
+def tree_order(points: FloatArray) -> IntArray:
+    """Order (n, 3) points by repeated median splits along the longest axis, neighbours near each other."""
+    order: IntArray = kernels.tree_order(np.ascontiguousarray(points.T), _depth(len(points)))
+    return order
+
+
+def _depth(count: int) -> int:
+    """Return the number of splits until no part has more than `LEAF` points."""
+    depth = 0
+    while (count - 1) >> depth >= LEAF:
+        depth += 1
+    return depth
+
+
+def boxes(corners: FloatArray) -> FloatArray:
     """Return the boxes (2^(depth+1) − 1, 6), low corner then high, of a tree over triangles (m, 3, 3).
 
     Node k of level l holds the triangles from ⌊m k / 2^l⌋ to ⌊m (k+1) / 2^l⌋. Its place is 2^l − 1 + k, so
     that the children of place i are 2i + 1 and 2i + 2.
     """
+    depth = _depth(len(corners))
     starts = len(corners) * np.arange(1 << depth) >> depth
     low = np.minimum.reduceat(corners.min(axis=1), starts)
     high = np.maximum.reduceat(corners.max(axis=1), starts)
