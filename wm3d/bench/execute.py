@@ -1,5 +1,6 @@
 """Running tasks in this process, on local processes or on a Dask cluster; results come in any order."""
 
+import os
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 
@@ -9,7 +10,7 @@ from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from wm3d.bench.plan import Task
-from wm3d.bench.worker import work
+from wm3d.bench.worker import leave_with_parent, work
 from wm3d.mesh import Mesh
 
 Result = tuple[Task, dict[str, pd.DataFrame]]
@@ -76,7 +77,13 @@ def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
                     started.add(index)
                     yield delayed(_numbered)(index, _needed(task, meshes), task)
 
-            with parallel_config(backend="loky", n_jobs=workers, inner_max_num_threads=1):
+            with parallel_config(
+                backend="loky",
+                n_jobs=workers,
+                inner_max_num_threads=1,
+                initializer=leave_with_parent,
+                initargs=(os.getpid(),),
+            ):
                 # no calls ahead: those in flight are the suspects
                 parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
             try:

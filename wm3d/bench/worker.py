@@ -1,6 +1,8 @@
 """What runs in a worker: one task at a time, on one thread, with the engines of the plan."""
 
+import os
 import threading
+import time
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -39,3 +41,18 @@ def work(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
     with _ENGINES, threadpool_limits(limits=1):
         own = {name: Mesh(mesh.vertices, mesh.faces, mesh.name) for name, mesh in meshes.items()}
         return run_task(own, task)
+
+
+def leave_with_parent(parent: int) -> None:
+    """Let this worker end within a second of the process, of id `parent`, that started it.
+
+    A run that is killed would otherwise leave workers that finish their tasks for nobody. POSIX only: a
+    Windows process does not learn that its parent is gone, and loky ends it after some idle minutes.
+    """
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
