@@ -79,7 +79,7 @@ class RunDirectory:
     def write_cell(self, digest: str, rows: pd.DataFrame) -> None:
         """Store the rows of a cell, with page checksums and the digest inside."""
         table = pa.Table.from_pandas(rows, preserve_index=False)
-        table = table.replace_schema_metadata({**(table.schema.metadata or {}), CELL_KEY: digest.encode()})
+        table = table.replace_schema_metadata({CELL_KEY: digest.encode()})
         buffer = io.BytesIO()
         pq.write_table(table, buffer, write_page_checksum=True)
         write_whole(self.cell_path(digest), buffer.getvalue())
@@ -107,10 +107,10 @@ class RunDirectory:
                 raise DamagedCellError(path, "it belongs to another cell")
             rows: pd.DataFrame = table.to_pandas().astype(dict(columns))
             return rows
-        except (pa.ArrowException, OSError, ValueError, KeyError) as error:
-            if isinstance(error, DamagedCellError):
-                raise
-            raise DamagedCellError(path, str(error).splitlines()[0]) from None
+        except DamagedCellError:
+            raise
+        except Exception as error:  # there is no telling what noise leads a decoder to
+            raise DamagedCellError(path, (str(error) or type(error).__name__).splitlines()[0]) from None
 
     def write_text(self, name: str, text: str) -> None:
         """Write a text file of the run directory."""
