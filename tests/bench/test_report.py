@@ -15,7 +15,7 @@ from shapes import tetrahedron
 from wm3d.attacks import ATTACKS
 from wm3d.bench import load_experiment, write_report
 from wm3d.bench.columns import TRIALS
-from wm3d.bench.figures import roc_figure
+from wm3d.bench.curves import roc_figure
 from wm3d.bench.manifest import manifest
 from wm3d.bench.plan import plan
 from wm3d.bench.readings import readings
@@ -159,6 +159,17 @@ def test_roc_steps_exactly_at_the_p_values() -> None:
         curve.get_xydata(), [[-8, 0.25], [-7, 0.5], [-3.5, 0.75], [-1, 1.0], [0, 1.0]]
     )
     assert curve.get_drawstyle() == "steps-post"
+
+
+def test_attacks_always_survived_share_a_curve_where_colours_run_out() -> None:
+    attacks = {f"harmless {k}": -20.0 for k in range(9)} | {"harsh": -2.0}
+    rows = pd.DataFrame(
+        {"mesh": "m", "scheme": "s", "attack": attack, "hypothesis": "H1", "z": 1.0, "log10_p": log10_p}
+        for attack, log10_p in attacks.items()
+    )
+    (panel,) = roc_figure(rows, {}).axes
+    labels = [text.get_text() for text in panel.get_legend().get_texts()]
+    assert labels == ["9 attacks: Pd = 1 throughout", "harsh: d′ = 1.0", "chance: Pd = Pf"]
 
 
 def test_every_reading_of_the_built_in_components_is_explained() -> None:

@@ -34,12 +34,15 @@ class Case:
     scheme: str
     findings: list[Finding]
 
+    def having(self, verdict: str) -> list[Finding]:
+        """Return the findings of a verdict."""
+        return [finding for finding in self.findings if finding.verdict == verdict]
+
     def groups(self, verdict: str) -> list[list[Finding]]:
         """Return the findings of a verdict; those with the same numbers together."""
         groups: dict[tuple[float, float, float], list[Finding]] = {}
-        for finding in self.findings:
-            if finding.verdict == verdict:
-                groups.setdefault((finding.pd, finding.low, finding.high), []).append(finding)
+        for finding in self.having(verdict):
+            groups.setdefault((finding.pd, finding.low, finding.high), []).append(finding)
         return list(groups.values())
 
 

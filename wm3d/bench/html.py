@@ -13,7 +13,8 @@ from scipy.stats import norm
 
 from wm3d.bench import findings
 from wm3d.bench.config import Experiment
-from wm3d.bench.figures import LEAST_LOG10_PF, power_of_ten
+from wm3d.bench.curves import LEAST_LOG10_PF
+from wm3d.bench.figures import power_of_ten
 from wm3d.bench.htmltables import html_table, short_power, shortener
 from wm3d.bench.readings import readings
 from wm3d.bench.summary import DETECTED

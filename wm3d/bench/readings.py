@@ -55,8 +55,10 @@ def readings(components: Iterable[Component]) -> list[Reading]:
 def _open_parameters(component: Component) -> Iterator[tuple[Component, str]]:
     for parameter, field in type(component).model_fields.items():
         value = getattr(component, parameter)
-        if isinstance(value, Component):
-            yield from _open_parameters(value)
+        inside = [value] if isinstance(value, Component) else value if isinstance(value, tuple) else []
+        if parts := [part for part in inside if isinstance(part, Component)]:
+            for part in parts:
+                yield from _open_parameters(part)
         elif parameter != "name" and _alternatives(field.annotation):
             yield component, parameter
 

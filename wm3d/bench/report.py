@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from wm3d.bench import figures
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
 from wm3d.bench.config import load_experiment
+from wm3d.bench.curves import false_alarm_figure, roc_figure
 from wm3d.bench.html import Run, render
 from wm3d.bench.store import RunDirectory
 from wm3d.bench.tables import all_tables
@@ -78,9 +79,9 @@ def _figures(
     """Return the figures by name, as far as there are rows for them."""
     drawn = {}
     if (rows["hypothesis"] == "H1").any():
-        drawn["roc"] = figures.roc_figure(rows, credits)
+        drawn["roc"] = roc_figure(rows, credits)
     if "false_alarms" in tables:
-        drawn["false_alarms"] = figures.false_alarm_figure(tables["false_alarms"], credits)
+        drawn["false_alarms"] = false_alarm_figure(tables["false_alarms"], credits)
     return drawn
 
 
