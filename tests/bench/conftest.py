@@ -1,0 +1,59 @@
+"""A small experiment that takes a second, and a plug-in whose attacks misbehave."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from shapes import blob
+
+from wm3d.mesh import save_mesh
+
+PLUGIN = Path(__file__).parent / "plugin"
+
+CONFIG = """\
+name: small
+trials: 4
+block: 2
+wrong_keys: 3
+cases:
+  - meshes: [{mesh}]
+    schemes:
+      - name: song2002
+        grid: [24, 24]
+        region: [4, 0, 16, 24]
+        alpha: 4.0
+attacks:
+  - name: clean
+  - name: gaussian-noise
+  - name: similarity
+"""
+
+
+@pytest.fixture(scope="session")
+def blobs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with two meshes of 2562 vertices, one.ply and two.ply."""
+    folder = tmp_path_factory.mktemp("blobs")
+    for seed, name in ((1, "one"), (2, "two")):
+        save_mesh(blob(seed=seed, subdivisions=4), folder / f"{name}.ply")
+    return folder
+
+
+@pytest.fixture
+def config(tmp_path: Path, blobs: Path) -> Callable[..., Path]:
+    """Writer of a config of four trials on one.ply; the arguments are lines to add."""
+
+    def write(*lines: str) -> Path:
+        path = tmp_path / "small.yaml"
+        path.write_text(CONFIG.format(mesh=blobs / "one.ply") + "".join(f"{line}\n" for line in lines))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def misbehaving(monkeypatch: pytest.MonkeyPatch) -> str:
+    """Path to add to PYTHONPATH; the attacks `throwaway` can be imported, here and in workers."""
+    monkeypatch.syspath_prepend(str(PLUGIN))
+    yield str(PLUGIN)
+    sys.modules.pop("throwaway", None)
