@@ -1,7 +1,6 @@
 """Numba kernels of the surface metrics: cells of triangles, and nearest points in a tree of boxes.
 
-One thread, and sums in a fixed order. Points and triangles are in units of the size of the mesh. The numpy
-twin of each kernel is in its test.
+One thread. Points and triangles are in units of the size of the mesh. Numpy twins stand in the tests.
 """
 
 import numpy as np
@@ -145,8 +144,7 @@ def nearest(
 
     `corners` (m, 3, 3) are the triangles and `boxes` their tree, as `wm3d.metrics.surface.nearest.boxes` has
     it. Returns squared distances (k,), triangles (k,), and barycentric weights (k, 3) of the nearest points.
-    The search for a point starts from the triangle found for the point before it, so neighbours should follow
-    each other.
+    A search starts from the triangle found for the point before, so neighbours should follow each other.
     """
     m = len(corners)
     leaves = len(boxes) >> 1
@@ -255,26 +253,14 @@ def moments(cells: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, Floa
     n = len(cells)
     centroids, areas, reach, spread = np.empty((n, 3)), np.empty(n), np.zeros(n), np.zeros(n)
     for i in range(n):
-        ux, uy, uz = (
-            cells[i, 1, 0] - cells[i, 0, 0],
-            cells[i, 1, 1] - cells[i, 0, 1],
-            cells[i, 1, 2] - cells[i, 0, 2],
-        )
-        wx, wy, wz = (
-            cells[i, 2, 0] - cells[i, 0, 0],
-            cells[i, 2, 1] - cells[i, 0, 1],
-            cells[i, 2, 2] - cells[i, 0, 2],
-        )
+        ux, uy, uz = _offset(cells[i, 1], cells[i, 0])
+        wx, wy, wz = _offset(cells[i, 2], cells[i, 0])
         x, y, z = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
         areas[i] = np.sqrt(x * x + y * y + z * z)
         for k in range(3):
             centroids[i, k] = (cells[i, 0, k] + cells[i, 1, k] + cells[i, 2, k]) / 3.0
         for j in range(3):
-            x, y, z = (
-                cells[i, j, 0] - centroids[i, 0],
-                cells[i, j, 1] - centroids[i, 1],
-                cells[i, j, 2] - centroids[i, 2],
-            )
+            x, y, z = _offset(cells[i, j], centroids[i])
             square = x * x + y * y + z * z
             reach[i] = max(reach[i], square)
             spread[i] += square / 12.0
@@ -294,6 +280,11 @@ def farthest_corner(cells: FloatArray, corners: FloatArray, triangle: IntArray) 
             p = (cells[i, j, 0], cells[i, j, 1], cells[i, j, 2])
             farthest[i] = max(farthest[i], nearest_on_triangle(p, corners, triangle[i])[0])
     return farthest
+
+
+@njit(cache=True)
+def _offset(p: FloatArray, origin: FloatArray) -> Vector:
+    return p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]
 
 
 @njit(cache=True, error_model="numpy")

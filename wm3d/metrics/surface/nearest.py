@@ -12,7 +12,7 @@ LEAF = 2
 
 
 class Nearest(NamedTuple):
-    """Nearest points: `distance` (k,), `face` (k,), the `vertices` (k, 3) of it and their `weights` (k, 3)."""
+    """Nearest points: `distance` (k,), `face` (k,), its `vertices` (k, 3) and their `weights` (k, 3)."""
 
     distance: FloatArray
     face: IntArray
