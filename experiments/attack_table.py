@@ -1,9 +1,9 @@
 """Every attack on every mesh of the folder WM3D_DATA: CPU time, size of the result, or why it refuses.
 
-Usage: WM3D_DATA=FOLDER python experiments/attack_table.py
+Usage: WM3D_DATA=FOLDER python experiments/attack_table.py [MESH ...]
 
-Writes results/attacks/timing.csv. Attacks that need other marks of a scheme get noise in their place: the
-time of a scheme is no part of the attack.
+Writes results/attacks/timing.csv; with names of meshes, only their rows are made anew. Attacks that need other
+marks of a scheme get noise in their place: the time of a scheme is no part of the attack.
 """
 
 import os
@@ -16,7 +16,7 @@ import pandas as pd
 
 from wm3d.attacks import ATTACKS, Attack, GaussianNoise, MarchingCubes, Owner, RoundTrip, Subdivide
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, load_mesh
+from wm3d.mesh import Mesh, load_mesh, write_whole
 
 OUT = Path(__file__).parents[1] / "results" / "attacks" / "timing.csv"
 SEED = 2002
@@ -60,16 +60,20 @@ def main() -> None:
     if not folder:
         sys.exit("set WM3D_DATA to a folder of PLY meshes")
     row(load_mesh(min(Path(folder).glob("*.ply"), key=lambda file: file.stat().st_size)), GaussianNoise())
-    rows = []
+    wanted, rows = sys.argv[1:], []
     for file in sorted(Path(folder).glob("*.ply")):
+        if wanted and file.stem not in wanted:
+            continue
         mesh = load_mesh(file)
         for attack in VARIANTS:
             rows.append(row(mesh, attack))
             print(*rows[-1].values(), sep="  ", flush=True)
     OUT.parent.mkdir(parents=True, exist_ok=True)
-    partial = OUT.with_suffix(".partial")
-    pd.DataFrame(rows).to_csv(partial, index=False)
-    partial.replace(OUT)
+    table = pd.DataFrame(rows)
+    if OUT.exists():
+        before = pd.read_csv(OUT, keep_default_na=False)
+        table = pd.concat([before[~before["mesh"].isin(table["mesh"])], table])
+    write_whole(OUT, table.sort_values("mesh", kind="stable").to_csv(index=False).encode())
 
 
 if __name__ == "__main__":
