@@ -38,7 +38,7 @@ class Surface:
     normals : (m, 3) ndarray
         Twice their vector areas.
     points : (k, 3) ndarray
-        The vertices that a face uses.
+        The vertices that a face uses, neighbours near each other.
     """
 
     def __init__(self, vertices: FloatArray, faces: IntArray) -> None:
@@ -48,14 +48,21 @@ class Surface:
         self._boxes = boxes(self.corners)
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         self.normals = np.cross(b - a, c - a)
-        used = np.zeros(len(vertices), np.bool_)
-        used[faces] = True
-        self.points = vertices[used]
+        self.points = vertices[_by_first_use(self.faces, len(vertices))]
 
     def nearest(self, points: FloatArray) -> Nearest:
         """Return the nearest points to (k, 3) points; fast where points follow their neighbours."""
         square, face, weights = kernels.nearest(points, self.corners, self._boxes)
         return Nearest(np.sqrt(square), face, self.faces[face], weights)
+
+
+def _by_first_use(faces: IntArray, count: int) -> IntArray:
+    """Return the vertices that a face uses in the order of the faces; np.unique would sort all corners."""
+    corners = faces.ravel()
+    first = np.full(count, -1)
+    first[corners[::-1]] = np.arange(len(corners))[::-1]  # of equal places the last one written stays
+    order: IntArray = corners[np.sort(first[first >= 0])]
+    return order
 
 
 def tree_order(points: FloatArray) -> IntArray:
