@@ -2,8 +2,8 @@
 
 Usage: WM3D_DATA=FOLDER python experiments/attack_table.py [MESH ...]
 
-Writes results/attacks/timing.csv; with names of meshes, only their rows are made anew. Attacks that need other
-marks of a scheme get noise in their place: the time of a scheme is no part of the attack.
+Writes results/attacks/timing.csv; with names of meshes, only their rows are made anew. Attacks that need
+other marks of a scheme get noise in their place: the time of a scheme is no part of the attack.
 """
 
 import os
