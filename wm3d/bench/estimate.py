@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from wm3d.bench.plan import Cell, FalseAlarmCell, Task, TrialCell, tasks
+from wm3d.bench.progress import duration
 from wm3d.bench.trial import THRESHOLDS
 from wm3d.bench.worker import work
 from wm3d.mesh import Mesh
@@ -132,10 +133,3 @@ def _seconds_a_key(scheme: Scheme) -> float:
     start = time.perf_counter()
     hadamard_keys(weights, THRESHOLDS, SAMPLE_KEYS)
     return (time.perf_counter() - start) / SAMPLE_KEYS
-
-
-def duration(value: float) -> str:
-    """Return seconds as people say them."""
-    if value < 90:
-        return f"{max(value, 1):.0f} s"
-    return f"{value / 60:.0f} min" if value < 90 * 60 else f"{value / 3600:.1f} h"
