@@ -1,7 +1,7 @@
 """A small experiment that takes a second, and a plug-in whose attacks misbehave."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -39,20 +39,28 @@ def blobs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def small_config(blobs: Path) -> Path:
+    """Config of four trials on one.ply, in two blocks, with three attacks."""
+    path = blobs / "small.yaml"
+    path.write_text(CONFIG.format(mesh=blobs / "one.ply"))
+    return path
+
+
 @pytest.fixture
-def config(tmp_path: Path, blobs: Path) -> Callable[..., Path]:
-    """Writer of a config of four trials on one.ply; the arguments are lines to add."""
+def config(tmp_path: Path, small_config: Path) -> Callable[..., Path]:
+    """Writer of the small config with lines added at its end, where the attacks are."""
 
     def write(*lines: str) -> Path:
         path = tmp_path / "small.yaml"
-        path.write_text(CONFIG.format(mesh=blobs / "one.ply") + "".join(f"{line}\n" for line in lines))
+        path.write_text("".join([small_config.read_text(), *(f"{line}\n" for line in lines)]))
         return path
 
     return write
 
 
 @pytest.fixture
-def misbehaving(monkeypatch: pytest.MonkeyPatch) -> str:
+def misbehaving(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """Path to add to PYTHONPATH; the attacks `throwaway` can be imported, here and in workers."""
     monkeypatch.syspath_prepend(str(PLUGIN))
     yield str(PLUGIN)

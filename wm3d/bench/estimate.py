@@ -5,11 +5,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from wm3d.bench.plan import Cell, FalseAlarmCell, Task, TrialCell, tasks
 from wm3d.bench.progress import duration
+from wm3d.bench.summary import table_console
 from wm3d.bench.trial import THRESHOLDS
 from wm3d.bench.worker import work
 from wm3d.mesh import Mesh
@@ -43,9 +43,10 @@ def print_estimate(
 ) -> None:
     """Print the plan, what of it is there, and the time that the rest needs."""
     costs = measured(missing, meshes)
-    console = Console()
+    console = table_console()
     schemes = dict.fromkeys((cell.mesh, cell.scheme.label()) for cell in cells)
     for mesh, scheme in schemes:
+        console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
         console.print(_table(mesh, scheme, cells, missing, costs))
     todo = tasks(missing)
     console.print(
@@ -63,7 +64,7 @@ def print_estimate(
 def _table(
     mesh: str, scheme: str, cells: list[Cell], missing: list[Cell], costs: Mapping[Setting, Cost]
 ) -> Table:
-    output = Table(title=f"{mesh}, {scheme}", title_justify="left", box=None, padding=(0, 1))
+    output = Table(box=None, padding=(0, 1))
     output.add_column("attack")
     for heading in ("cells", "there", "trials", "s a trial"):
         output.add_column(heading, justify="right", no_wrap=True)

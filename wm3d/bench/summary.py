@@ -21,11 +21,10 @@ def print_summary(directory: RunDirectory) -> None:
     table = pd.read_csv(directory.path / "tables" / "detection.csv")
     quoted = [float(match[1]) for name in table.columns if (match := re.fullmatch(r"pd_([^_]+)", str(name)))]
     pf = min(quoted, key=lambda value: abs(value / DEFAULT_PF - 1))
-    console = Console()
-    if not console.is_terminal:
-        console.width = PLAIN_WIDTH
+    console = table_console()
     for (mesh, scheme), group in table.groupby(["mesh", "scheme"], sort=False):
-        output = Table(title=f"{mesh}, {scheme}", title_justify="left", box=None, padding=(0, 1))
+        console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
+        output = Table(box=None, padding=(0, 1))
         output.add_column("attack")
         for heading in ("trials", "d'", f"Pd at Pf = {pf:g}", "95 %"):
             output.add_column(heading, justify="right", no_wrap=True)
@@ -43,3 +42,11 @@ def print_summary(directory: RunDirectory) -> None:
             )
         console.print(output)
     console.print(f"Tables, figures and rows: {directory.path}", highlight=False, soft_wrap=True)
+
+
+def table_console() -> Console:
+    """Return a console on stdout that does not squeeze tables where no terminal asks for it."""
+    console = Console()
+    if not console.is_terminal:
+        console.width = PLAIN_WIDTH
+    return console

@@ -1,0 +1,89 @@
+"""Workers: deaths cost no more than the cell that causes them; other versions are refused."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+from shapes import blob
+
+from wm3d.attacks import Clean, Simplify
+from wm3d.bench import plan as plan_module
+from wm3d.bench.execute import execute
+from wm3d.bench.plan import Task, TrialCell
+from wm3d.bench.worker import work
+from wm3d.errors import Wm3dError
+from wm3d.schemes import Song2002
+
+MESHES = {"one": blob(seed=1, subdivisions=4)}
+SCHEME = Song2002(grid=(24, 24), region=(4, 0, 16, 24), alpha=4.0)
+
+
+def task(*attacks, start=0) -> Task:
+    digest = MESHES["one"].digest()
+    return Task(
+        tuple(TrialCell(7, "one", digest, SCHEME, attack, start, start + 1, "H1") for attack in attacks)
+    )
+
+
+@pytest.mark.usefixtures("misbehaving")
+def test_a_cell_that_kills_its_workers_is_lost_alone(tmp_path):
+    from throwaway import Killing
+
+    innocent, once, always = Clean(), Killing(once=str(tmp_path / "once")), Killing()
+    given = [task(innocent, once), task(innocent, always, start=1), task(innocent, start=2)]
+    found = {}
+    for done, rows in execute(given, MESHES, workers=2, dask=None):
+        assert [cell.digest for cell in done.cells] == list(rows)
+        assert not found.keys() & rows.keys()
+        found |= rows
+    lost = {cell.digest for each in given for cell in each.cells if cell.attack == always}
+    assert found.keys() == {cell.digest for each in given for cell in each.cells} - lost
+    assert all((rows["log10_p"] < -3).all() for rows in found.values())
+
+
+def test_a_worker_with_other_engines_is_refused(monkeypatch):
+    planned = task(Simplify())
+    (cell,) = planned.cells
+    assert len(cell.digest) == 20  # names the versions of here and now
+    monkeypatch.setattr(plan_module, "version", lambda _: "0.0")
+    with pytest.raises(Wm3dError, match=r"a worker runs other versions .*'fast-simplification': '0\.0'"):
+        work(MESHES, planned)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="only POSIX tells a process that its parent is gone")
+def test_workers_leave_with_a_parent_that_is_killed(tmp_path):
+    program = f"""
+import os, sys, threading, time
+from wm3d.bench.worker import leave_with_parent
+parent = os.getpid()
+if os.fork() == 0:
+    leave_with_parent(parent)
+    open({str(tmp_path / "child")!r}, "w").write(str(os.getpid()))
+    time.sleep(60)
+time.sleep(60)
+"""
+    with subprocess.Popen([sys.executable, "-c", program]) as parent:
+        while not (tmp_path / "child").exists() or not (tmp_path / "child").read_text():
+            assert parent.poll() is None
+            time.sleep(0.05)
+        parent.kill()
+    child = int((tmp_path / "child").read_text())
+    for _ in range(200):  # it looks once a second
+        if not alive(child):
+            return
+        time.sleep(0.05)
+    pytest.fail("the worker lives on")
+
+
+def alive(pid: int) -> bool:
+    """Whether a process runs; one that waits for somebody to collect it does not."""
+    state = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False)
+    return state.stdout[:1] not in ("", "Z")
+
+
+def test_an_unknown_cluster_is_told():
+    pytest.importorskip("distributed")
+    with pytest.raises(Wm3dError, match=r"^--dask nonsense: no scheduler answers there"):
+        list(execute([task(Clean())], MESHES, workers=1, dask="nonsense"))
