@@ -36,6 +36,9 @@ FALSE_ALARM_CAPTION = (
 POINT_EVERY = 4
 """Thresholds from one point of a false-alarm curve to the next; the table has them all."""
 
+TITLE_WIDTH = 72
+"""Characters of a panel's title in one line."""
+
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1)))
 
 
@@ -58,7 +61,7 @@ def roc_figure(rows: pd.DataFrame, credits: Mapping[str, str | None]) -> Figure:
     panels = []
     for (mesh, scheme), attacks in cases.items():
         keys = max(map(len, attacks.values()))
-        title = textwrap.fill(f"{mesh}, {scheme}, {keys} keys", 85)
+        title = textwrap.fill(f"{mesh}, {scheme}, {keys} keys", TITLE_WIDTH)
         panels += [(title, curves) for curves in _shared_out(_curves(attacks, keys))]
     heights = [3.5 + 0.17 * _legend_lines(curves) for _, curves in panels]
     with styled():
@@ -191,7 +194,7 @@ def false_alarm_figure(table: pd.DataFrame, credits: Mapping[str, str | None]) -
         axes = figure.subplots(len(cases), 1, squeeze=False)[:, 0]
         for panel, ((mesh, scheme), group) in zip(axes, cases, strict=True):
             title = f"{mesh}, {scheme}, {group['keys'].max():,} keys an attack"
-            panel.set_title(textwrap.fill(title, 85), loc="left", fontsize=10)
+            panel.set_title(textwrap.fill(title, TITLE_WIDTH), loc="left", fontsize=10)
             _ratio_panel(panel, group)
         caption(figure, FALSE_ALARM_CAPTION, dict.fromkeys(table["mesh"]), credits)
     return figure
