@@ -95,7 +95,7 @@ def _table() -> list[tuple[str, str, str]]:
         (f"{EMBED} --snr nan", "good.ply", "SNR"),
         (f"{EMBED} --snr 1e9", "good.ply", "SNR"),
         (f"{EMBED} --snr -1e9", "good.ply", "SNR"),
-        (f"{EMBED} --seed -1", "seed", "between 0"),
+        (f"{EMBED} --seed -1", "seed", "from 0 to"),
         (f"{EMBED} --seed {1 << 256}", "seed", "2^256"),
         (f"{EMBED} --seed seven", "--seed", "integer"),
         (f"{EMBED} miss=fill", "miss", "far-wall"),
