@@ -10,6 +10,7 @@ from jinja2 import Environment, StrictUndefined
 from wm3d.mesh import datasets
 
 TEMPLATE = Path(__file__).with_name("paper_readme.md.j2")
+HELD_POSE = TEMPLATE.parent.parent / "results" / "held_pose.csv"
 OTHER_READINGS = "normalize=|miss="
 
 
@@ -30,9 +31,10 @@ def readme(tables: dict[str, pd.DataFrame], amplitude: pd.DataFrame, manifests: 
     first = next(iter(manifests.values()))
 
     def at(kind: str, mesh: str, attack: str | None = None) -> dict[str, Any]:
-        """Return the first line of a mesh, and of an attack, under the default readings."""
+        """Return the line of a mesh, and of an attack, under the default readings that has most keys."""
         lines = records(tables[kind], other_readings=False)
-        return next(line for line in lines if line["mesh"] == mesh and attack in (None, line.get("attack")))
+        found = [line for line in lines if line["mesh"] == mesh and attack in (None, line.get("attack"))]
+        return max(found, key=lambda line: line.get("trials", line.get("keys")))
 
     page = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
         meshes=meshes,
@@ -42,6 +44,7 @@ def readme(tables: dict[str, pd.DataFrame], amplitude: pd.DataFrame, manifests: 
         other={kind: records(table, other_readings=True) for kind, table in tables.items()},
         reach={mesh: crossing(group, 0.97) for mesh, group in amplitude.groupby("mesh", sort=False)},
         versions=first["versions"],
+        held=pd.read_csv(HELD_POSE).to_dict("records"),
         at=at,
     )
     return page.rstrip() + "\n"

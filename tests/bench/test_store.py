@@ -47,7 +47,9 @@ def damaged(directory: RunDirectory) -> str:
     return message
 
 
-@pytest.mark.parametrize("content", [b"", b"PAR1", random.Random(0).randbytes(5000)], ids=["empty", "stub", "noise"])
+@pytest.mark.parametrize(
+    "content", [b"", b"PAR1", random.Random(0).randbytes(5000)], ids=["empty", "stub", "noise"]
+)
 def test_a_file_of_something_else_is_damaged(directory, content):
     directory.cell_path(A).write_bytes(content)
     damaged(directory)
