@@ -1,0 +1,314 @@
+"""What runs survive: kills, dead workers, a cluster that loses one, full disks, a second run in their folder.
+
+    python experiments/survival.py [--only dask]
+
+Prints a line for each check, PASS, FAIL or SKIP, and exits with status 1 if one failed. Results are compared
+byte by byte, figures included; timing.csv tells seconds and is left out. The attacks that misbehave are the
+plug-in of the tests. Some minutes.
+"""
+
+import argparse
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pandas as pd
+
+WM3D = Path(sys.executable).with_name("wm3d")
+DASK = Path(sys.executable).with_name("dask")
+PLUGIN = Path(__file__).resolve().parent.parent / "tests" / "bench" / "plugin"
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(PLUGIN)}
+
+ATTACKS = "[{name: clean}, {name: gaussian-noise}, {name: simplify}, {name: sleeping, seconds: 0.05}%s]"
+CONFIG = """\
+name: survival
+trials: 24
+block: 2
+wrong_keys: 5
+unmarked: true
+false_alarm_trials: 1000000
+cases:
+  - meshes: [bunny]
+    schemes: [{name: song2002, grid: [168, 168], region: [4, 0, 160, 160]}]
+attacks: %s
+"""
+"""A key of 25200 signs: long enough that BLAS would use all its threads."""
+
+
+class Bench:
+    """A folder to work in, the verdicts so far, and the run that others are held against."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.failures = 0
+        self.config = self.write("survival", "")
+
+    def write(self, name: str, more: str) -> Path:
+        """Write a config with more attacks."""
+        path = self.folder / f"{name}.yaml"
+        path.write_text(CONFIG % (ATTACKS % more))
+        return path
+
+    def command(self, config: Path, out: Path, *options: str) -> list[str]:
+        """Return what is typed to run a config."""
+        return [str(WM3D), "run", str(config), "--out", str(out), *options]
+
+    def run(self, config: Path, out: Path, *options: str) -> subprocess.CompletedProcess[str]:
+        """Run a config to its end."""
+        command = self.command(config, out, *options)
+        return subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+
+    @contextmanager
+    def started(self, *command: str) -> Iterator[subprocess.Popen[str]]:
+        """Start a process, and end it at the latest when the block ends."""
+        with subprocess.Popen(
+            command, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        ) as process:
+            try:
+                yield process
+            finally:
+                process.kill()
+
+    def check(self, what: str, passed: bool, detail: object = "") -> None:
+        """Print a verdict and count it."""
+        self.failures += not passed
+        print(f"{'PASS' if passed else 'FAIL'}  {what}{f'  ({detail})' if detail else ''}", flush=True)
+
+    def same(self, what: str, out: Path, detail: object = "") -> None:
+        """Check that a run gave the bytes of the undisturbed one."""
+        expected, found = results(self.reference), results(out)
+        differing = sorted(name for name in expected | found if expected.get(name) != found.get(name))
+        self.check(f"{what}: same bytes", not differing, ", ".join(differing) or detail)
+
+    @property
+    def reference(self) -> Path:
+        """Directory of the undisturbed run."""
+        out = self.folder / "reference"
+        if not out.exists():
+            done = self.run(self.config, out, "--workers", "1")
+            self.check("undisturbed run, one worker", done.returncode == 0, done.stderr.splitlines()[-1])
+        return out
+
+    def others_stand(self, what: str, out: Path) -> None:
+        """Check that the attacks of the undisturbed run have its lines in the detection table."""
+        ours, theirs = detection(out), detection(self.reference)
+        self.check(
+            f"{what}: other attacks as if it had not been there", ours.loc[theirs.index].equals(theirs)
+        )
+
+
+def results(out: Path) -> dict[str, bytes]:
+    files = [file for folder in ("tables", "figures") for file in (out / folder).glob("*")]
+    return {file.name: file.read_bytes() for file in files if file.name != "timing.csv"}
+
+
+def detection(out: Path) -> pd.DataFrame:
+    return pd.read_csv(out / "tables" / "detection.csv").set_index("attack")
+
+
+def stored(out: Path) -> int:
+    return len(list((out / "cells").glob("*.parquet")))
+
+
+def wait_for(condition: Callable[[], object], seconds: float) -> bool:
+    """Wait until a condition holds; return whether it did in time."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return bool(condition())
+
+
+def children(pid: int) -> list[int]:
+    listed = subprocess.run(
+        ["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True, check=False
+    )
+    return [int(word) for word in listed.stdout.split()]
+
+
+def running(pid: int) -> bool:
+    state = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False)
+    return state.stdout[:1] not in ("", "Z")
+
+
+def workers(bench: Bench) -> None:
+    """Run on one, two and four local processes."""
+    for count in ("2", "4"):
+        out = bench.folder / f"workers-{count}"
+        bench.run(bench.config, out, "--workers", count)
+        bench.same(f"{count} workers", out)
+
+
+def killed(bench: Bench) -> None:
+    """Kill -9 at ten random moments and resume each time; in blocks of one trial, which change no number."""
+    moments, out, counts = random.Random(2002), bench.folder / "killed", []
+    options = ("--workers", "2", "--set", "block=1")
+    for _ in range(10):
+        with bench.started(*bench.command(bench.config, out, *options)) as process:
+            before = stored(out)
+            wait_for(lambda before=before: stored(out) > before, moments.uniform(1, 20))
+            time.sleep(moments.uniform(0, 1))
+            its_workers = children(process.pid)
+            counts.append("finished" if process.poll() is not None else stored(out))
+            process.kill()
+        if not wait_for(lambda pids=its_workers: not any(map(running, pids)), 10):
+            bench.check("workers leave within 10 s of a killed run", False, its_workers)
+    bench.check("ten kills before the end", "finished" not in counts, f"cells after each: {counts}")
+    done = bench.run(bench.config, out, *options)
+    bench.check("resumed after ten kills", done.returncode == 0, done.stderr.splitlines()[0])
+    bench.same("resumed after ten kills", out)
+
+
+def two_runs(bench: Bench) -> None:
+    """Start a second run in the directory of one that runs."""
+    out = bench.folder / "two"
+    with bench.started(*bench.command(bench.config, out, "--workers", "1")) as process:
+        wait_for(lambda: stored(out) > 0, 60)
+        second = bench.run(bench.config, out, "--workers", "1")
+        told = second.returncode == 2 and "another run is writing here" in second.stderr
+        bench.check("a second run in the directory is told", told, second.stderr.strip())
+        process.wait()
+    bench.same("the first run goes on", out)
+
+
+def failing(bench: Bench) -> None:
+    """Run an attack that raises in some trials."""
+    out = bench.folder / "raising"
+    done = bench.run(bench.write("raising", ", {name: raising, share: 0.5}"), out, "--workers", "2")
+    failed = detection(out)["failed"]["raising share=0.5"]
+    bench.check("an attack that raises: exit status 1", done.returncode == 1, done.stderr.splitlines()[-1])
+    bench.check("an attack that raises: counted", 0 < failed < 24, f"{failed} of 24")
+    bench.others_stand("an attack that raises", out)
+
+
+def dying(bench: Bench, name: str = "local workers", *options: str) -> None:
+    """Run attacks that kill their worker, once and always."""
+    out = bench.folder / f"once {name}"
+    config = bench.write("once", f", {{name: killing, once: '{bench.folder / name}'}}")
+    done = bench.run(config, out, *(options or ("--workers", "2")))
+    bench.check(f"{name}: killed once: retried", done.returncode == 0, f"exit status {done.returncode}")
+    bench.others_stand(f"{name}: killed once", out)
+    out = bench.folder / f"always {name}"
+    shorter = ("--set", "trials=4", "--set", "unmarked=false", "--set", "false_alarm_trials=0")
+    done = bench.run(
+        bench.write("always", ", {name: killing}"), out, *(options or ("--workers", "2")), *shorter
+    )
+    said = [line for line in done.stderr.splitlines() if "killing" in line]
+    bench.check(f"{name}: always killed: told", bool(said) and done.returncode == 1, "; ".join(said))
+    lost = json.loads((out / "manifest.json").read_text())["lost_trials"]
+    bench.check(f"{name}: always killed: counted", lost == 4, f"{lost} trials")
+    trials = detection(out)["trials"]
+    bench.check(f"{name}: always killed: the others stand", set(trials) == {4} and len(trials) == 4)
+
+
+def disk(bench: Bench) -> None:
+    """Fill a disk up, and forbid to write to it."""
+    mount = bench.folder / "disk"
+    mount.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", mount], check=False).returncode:
+        print("SKIP  full and read-only disks: mounting a tmpfs is not permitted")
+        return
+    try:
+        out = mount / "run"
+        done = bench.run(bench.config, out, "--workers", "1")
+        told = done.returncode == 2 and "cannot be written (No space left on device)." in done.stderr
+        bench.check(
+            "full disk: a sentence", told and "Traceback" not in done.stderr, done.stderr.splitlines()[-1]
+        )
+        before = stored(out)
+        subprocess.run(["mount", "-o", "remount,ro", mount], check=True)
+        done = bench.run(bench.config, out, "--workers", "1")
+        told = done.returncode == 2 and "Read-only file system" in done.stderr
+        bench.check("read-only folder: a sentence", told, done.stderr.splitlines()[-1])
+        subprocess.run(["mount", "-o", "remount,rw,size=50m", mount], check=True)
+        done = bench.run(bench.config, out, "--workers", "1")
+        kept = before > 0 and f"{before} of" in done.stderr
+        bench.check("full disk: what was stored is kept", kept, f"{before} cells")
+        bench.same("full disk, then space", out)
+    finally:
+        subprocess.run(["umount", mount], check=True)
+
+
+def dask(bench: Bench) -> None:
+    """Run on a Dask cluster: undisturbed, with attacks that kill workers, losing a worker, losing all."""
+    with cluster(bench) as (address, _):
+        out = bench.folder / "dask"
+        done = bench.run(bench.config, out, "--dask", address)
+        bench.same("dask", out, f"exit status {done.returncode}")
+        dying(bench, "dask", "--dask", address)
+    with cluster(bench) as (address, nannies):
+        out = bench.folder / "dask-loses-one"
+        with bench.started(*bench.command(bench.config, out, "--dask", address)) as process:
+            wait_for(lambda: stored(out) > 0, 120)
+            for pid in (*children(nannies[0].pid), nannies[0].pid):
+                os.kill(pid, signal.SIGKILL)
+            at = stored(out)
+            process.wait()
+        bench.same("dask, one of two workers killed", out, f"after {at} of {stored(out)} cells")
+    done = bench.run(bench.config, out, "--dask", address, "--set", "seed=1")
+    bench.check("no scheduler: told", done.returncode == 2, done.stderr.strip()[:100])
+
+
+@contextmanager
+def cluster(bench: Bench) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
+    """Start a scheduler and two workers of one thread; yield its address and the workers' nannies."""
+    contact = Path(tempfile.mkdtemp(dir=bench.folder)) / "scheduler.json"
+    scheduler = (
+        DASK,
+        "scheduler",
+        "--host",
+        "127.0.0.1",
+        "--port",
+        "0",
+        "--no-dashboard",
+        "--scheduler-file",
+        contact,
+    )
+    worker = (DASK, "worker", "--scheduler-file", contact, "--nthreads", "1", "--no-dashboard")
+    with tempfile.TemporaryFile() as log:
+        processes = [subprocess.Popen(scheduler, stderr=log, text=True)]
+        try:
+            wait_for(contact.exists, 60)
+            for _ in range(2):
+                processes.append(subprocess.Popen(worker, env=ENVIRONMENT, stderr=log, text=True))
+            yield json.loads(contact.read_text())["address"], processes[1:]
+        finally:
+            for process in reversed(processes):
+                process.terminate()
+                process.wait()
+
+
+CHECKS = (workers, killed, two_runs, failing, dying, disk, dask)
+
+
+def main() -> int:
+    """Run the checks."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--only", choices=[check.__name__ for check in CHECKS], action="append")
+    only = parser.parse_args().only
+    folder = Path(tempfile.mkdtemp(prefix="wm3d-survival-"))
+    bench = Bench(folder)
+    try:
+        for check in CHECKS:
+            if not only or check.__name__ in only:
+                check(bench)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    print(f"{bench.failures} failed")
+    return min(bench.failures, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
