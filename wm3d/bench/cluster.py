@@ -56,6 +56,13 @@ def on_cluster(
                         rows = future.result()
                     except KilledWorker:
                         suspects.append(task)
+                    except (ImportError, RuntimeError) as error:
+                        if isinstance(error, RuntimeError) and "deserialization" not in str(error):
+                            raise
+                        raise Wm3dError(
+                            f"--dask {address}: the scheduler or a worker lacks a package that is installed "
+                            "here; both need wm3d and its plug-ins."
+                        ) from error
                     else:
                         yield task, rows
             except TimeoutError:
