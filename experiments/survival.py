@@ -255,12 +255,18 @@ def dask(bench: Bench) -> None:
             at = stored(out)
             process.wait()
         bench.same("dask, one of two workers killed", out, f"after {at} of {stored(out)} cells")
-    done = bench.run(bench.config, out, "--dask", address, "--set", "seed=1")
+    with cluster(bench, dict(os.environ)) as (address, _):
+        done = bench.run(bench.config, bench.folder / "none", "--dask", address)
+        told = done.returncode == 2 and "both need wm3d and its plug-ins" in done.stderr
+        bench.check("a cluster without the plug-in: told", told, done.stderr.strip().splitlines()[-1])
+    done = bench.run(bench.config, bench.folder / "none", "--dask", address)
     bench.check("no scheduler: told", done.returncode == 2, done.stderr.strip()[:100])
 
 
 @contextmanager
-def cluster(bench: Bench) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
+def cluster(
+    bench: Bench, environment: dict[str, str] = ENVIRONMENT
+) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
     """Start a scheduler and two workers of one thread; yield its address and the workers' nannies."""
     contact = Path(tempfile.mkdtemp(dir=bench.folder)) / "scheduler.json"
     scheduler = (
@@ -276,11 +282,11 @@ def cluster(bench: Bench) -> Iterator[tuple[str, list[subprocess.Popen[str]]]]:
     )
     worker = (DASK, "worker", "--scheduler-file", contact, "--nthreads", "1", "--no-dashboard")
     with tempfile.TemporaryFile() as log:
-        processes = [subprocess.Popen(scheduler, stderr=log, text=True)]
+        processes = [subprocess.Popen(scheduler, env=environment, stderr=log, text=True)]
         try:
             wait_for(contact.exists, 60)
             for _ in range(2):
-                processes.append(subprocess.Popen(worker, env=ENVIRONMENT, stderr=log, text=True))
+                processes.append(subprocess.Popen(worker, env=environment, stderr=log, text=True))
             yield json.loads(contact.read_text())["address"], processes[1:]
         finally:
             for process in reversed(processes):
