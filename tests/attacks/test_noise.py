@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import kstest
 from shapes import blob
 
-from wm3d.attacks import GaussianNoise
+from wm3d.attacks import GaussianNoise, kernels
 
 MESH = blob(2, 5)
 
@@ -32,3 +32,9 @@ def test_noise_is_the_same_share_at_any_scale_and_the_same_draw_at_any_strength(
     )
     big = GaussianNoise(percent=0.1)(MESH.with_vertices(1000 * MESH.vertices), np.random.default_rng(3))
     np.testing.assert_allclose(big.vertices, 1000 * weak.vertices, rtol=1e-12)
+
+
+def test_the_kernel_draws_what_numpy_draws_bit_for_bit():
+    noisy = kernels.with_noise(MESH.vertices, 0.3, np.random.default_rng(4))
+    noise = np.random.default_rng(4).standard_normal(MESH.vertices.shape)
+    np.testing.assert_array_equal(noisy, MESH.vertices + 0.3 * noise)

@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from wm3d.attacks import kernels
 from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import mean_radius
 from wm3d.mesh import Mesh
@@ -47,10 +48,8 @@ class GaussianNoise(Noise):
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         """Return the noisy mesh; see `Attack`."""
-        vertices = rng.standard_normal(mesh.vertices.shape)
-        vertices *= self.sigma_percent(mesh) / 100 * mesh.diagonal
-        vertices += mesh.vertices
-        return mesh.with_vertices(vertices)
+        sigma = self.sigma_percent(mesh) / 100 * mesh.diagonal
+        return mesh.with_vertices(kernels.with_noise(mesh.vertices, sigma, rng))
 
 
 class UniformNoise(Noise):
