@@ -1,23 +1,17 @@
 """The paper's image watermark: ±α added to every AC coefficient of the 8×8 block DCT (section III-A)."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
-from pydantic import Field
 
 from wm3d.arrays import BoolArray, FloatArray, SignArray
-from wm3d.component import Component
+from wm3d.imagemarks.base import Alpha, ImageMark
 from wm3d.imagemarks.blocks import AC, BLOCK, block_all, block_dct, inverse_block_dct
 from wm3d.imagemarks.detectors import Detector, GgdLrt
 from wm3d.stats import RademacherSum
 
-MAX_ALPHA = 1e50
-"""Largest α: its fourth power, in the likelihood of a generalized Gaussian of shape 4, is still finite."""
 
-Alpha = Annotated[float, Field(gt=0, le=MAX_ALPHA)]
-
-
-class DctAdditive(Component):
+class DctAdditive(ImageMark):
     """c' = c + α w on the AC coefficients of 8×8 blocks, w = ±1 from the key.
 
     Attributes
@@ -36,6 +30,10 @@ class DctAdditive(Component):
     def capacity(shape: tuple[int, int]) -> int:
         """Return how many signs an image of this shape carries: 63 a block."""
         return (shape[0] // BLOCK) * (shape[1] // BLOCK) * AC
+
+    def carried(self, usable: BoolArray) -> BoolArray:
+        """Return which signs have a place: those of blocks whose pixels are all usable."""
+        return np.repeat(block_all(usable), AC)
 
     def embed(self, image: FloatArray, signs: SignArray, usable: BoolArray | None = None) -> FloatArray:
         """Return the marked image.
