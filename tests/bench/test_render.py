@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from shapes import blob, icosphere, inside_out, uv_cylinder
+from shapes import blob, icosphere, inside_out
 
 from wm3d.bench import kernels
-from wm3d.bench.render import View, rasterize_reference, render, upright, vertex_normals
+from wm3d.bench.render import View, rasterize_reference, render, upright
 from wm3d.scanner import VertexPca
 
 
@@ -72,10 +72,3 @@ def test_upright_views_are_not_mirrored_and_show_the_asked_column(turn: float) -
     outward = np.cos(np.radians(turn)) * s3 + np.sin(np.radians(turn)) * s2  # e_v of eq. 4
     assert axes[2] @ outward == pytest.approx(np.cos(np.radians(10)))
     assert axes[1] @ cylinder.axes[0] > 0.9
-
-
-def test_normals_of_a_cylinder_point_away_from_its_axis() -> None:
-    mesh = uv_cylinder(around=64, along=16)
-    side = (np.abs(mesh.vertices[:, 2]) < 0.9) & (np.hypot(*mesh.vertices.T[:2]) > 0.5)
-    wanted = mesh.vertices[side] * [1, 1, 0]
-    np.testing.assert_allclose(vertex_normals(mesh)[side], wanted, atol=1e-12)

@@ -82,19 +82,24 @@ class Shear(Deformation):
         return u + self.percent / 100 * w, v, w
 
 
-class Twist(Deformation):
-    """Layers across the axis turned about it, in proportion to their height.
+class _EndsTurned(Deformation):
+    """A deformation that turns the two ends of the model against each other.
 
     Attributes
     ----------
     degrees : float
-        Angle between the two ends of the model.
+        Angle between the two ends.
     """
 
-    name: Literal["twist"] = "twist"
     legend: ClassVar[tuple[str, ...]] = ("degrees",)
 
     degrees: float = 10.0
+
+
+class Twist(_EndsTurned):
+    """Layers across the axis turned about it, in proportion to their height."""
+
+    name: Literal["twist"] = "twist"
 
     def _moved(self, u: FloatArray, v: FloatArray, w: FloatArray) -> Coordinates:
         angle = np.radians(self.degrees) * w / (np.ptp(w) or 1.0)  # a sheet across the axis stays
@@ -102,17 +107,10 @@ class Twist(Deformation):
         return cosine * u - sine * v, sine * u + cosine * v, w
 
 
-class Bend(Deformation):
-    """The axis bent into a circular arc of its length, towards the next axis (x after z).
-
-    Attributes
-    ----------
-    degrees : float
-        Angle between the two ends of the arc.
-    """
+class Bend(_EndsTurned):
+    """The axis bent into a circular arc of its length, towards the next axis (x after z)."""
 
     name: Literal["bend"] = "bend"
-    legend: ClassVar[tuple[str, ...]] = ("degrees",)
 
     degrees: Annotated[float, Field(ge=-180, le=180)] = 10.0
 

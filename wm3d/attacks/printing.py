@@ -9,8 +9,7 @@ from scipy.spatial.transform import Rotation
 from wm3d.attacks.base import Attack
 from wm3d.attacks.deformation import Axis
 from wm3d.attacks.smoothing import smoothed
-from wm3d.attacks.surface import vertex_normals
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, vertex_normals
 
 
 class PrintScan(Attack):

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 from scipy.spatial.transform import Rotation
 
 from wm3d.attacks.base import Attack
+from wm3d.attacks.surface import mean_radius
 from wm3d.mesh import Mesh
 
 
@@ -41,9 +42,7 @@ class Similarity(Attack):
         """Return the transformed mesh; see `Attack`."""
         rotation = Rotation.random(rng=rng).as_matrix()
         scale = rng.uniform(self.min_scale, self.max_scale)
-        center = mesh.vertices.mean(axis=0)
-        mean_radius = np.linalg.norm(mesh.vertices - center, axis=1).mean()
-        shift = rng.uniform(-1, 1, 3) * self.translation * mean_radius
+        shift = rng.uniform(-1, 1, 3) * self.translation * mean_radius(mesh)
         turned = np.einsum(
             "ij,nj->ni", rotation, mesh.vertices
         )  # not BLAS: the same bits on any thread count

@@ -1,4 +1,4 @@
-"""What several attacks ask of a surface: neighbours, normals, faces and vertices that count."""
+"""What several attacks ask of a surface: neighbours, faces and vertices that count."""
 
 import numpy as np
 from scipy import sparse
@@ -28,17 +28,6 @@ def neighbour_mean(mesh: Mesh) -> sparse.csr_array:
     alone = sparse.diags_array((degree == 0).astype(float))
     mean: sparse.csr_array = (sparse.diags_array(1 / np.maximum(degree, 1)) @ adjacency + alone).tocsr()
     return mean
-
-
-def vertex_normals(mesh: Mesh) -> FloatArray:
-    """Return unit normals (n, 3), the area-weighted means of those of the faces; zero where there is none."""
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    doubled = np.cross(b - a, c - a)
-    corners, n = mesh.faces.T.ravel(), len(mesh.vertices)
-    sums = np.column_stack([np.bincount(corners, np.tile(doubled[:, k], 3), n) for k in range(3)])
-    length = np.linalg.norm(sums, axis=1, keepdims=True)
-    normals: FloatArray = sums / np.where(length > 0, length, 1.0)
-    return normals
 
 
 def without_unused(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:

@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter
 
 from wm3d.arrays import BoolArray, FloatArray, IntArray
 from wm3d.bench import kernels
-from wm3d.mesh import Mesh, orientation
+from wm3d.mesh import Mesh, vertex_normals
 from wm3d.scanner import Cylinder
 
 CLAY = (0.82, 0.80, 0.77)
@@ -162,19 +162,6 @@ def render(
     blocks = image.reshape(view.size[0], SUBSAMPLES, view.size[1], SUBSAMPLES, 3)
     nearest = depth.reshape(view.size[0], SUBSAMPLES, view.size[1], SUBSAMPLES).max(axis=(1, 3))
     return Picture(blocks.mean(axis=(1, 3)), nearest, view)
-
-
-def vertex_normals(mesh: Mesh) -> FloatArray:
-    """Return the area-weighted outward unit normal of each vertex, (n, 3); zero where it has no face."""
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    of_faces = orientation(mesh) * np.cross(b - a, c - a)
-    corners = mesh.faces.ravel()
-    normals = np.column_stack(
-        [np.bincount(corners, np.repeat(of_faces[:, k], 3), len(mesh.vertices)) for k in range(3)]
-    )
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    unit: FloatArray = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
-    return unit
 
 
 def _interpolated(values: FloatArray, corners: IntArray, shares: FloatArray) -> FloatArray:

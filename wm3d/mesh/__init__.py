@@ -14,6 +14,7 @@ from wm3d.mesh.moments import (
     vertex_moments,
     volume_moments,
 )
+from wm3d.mesh.normals import vertex_normals
 
 __all__ = [
     "ENDINGS",
@@ -31,6 +32,7 @@ __all__ = [
     "signed_volume",
     "surface_area",
     "vertex_moments",
+    "vertex_normals",
     "volume_moments",
     "write_together",
     "write_whole",
