@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapes import blob, box
 
-from wm3d.attacks import Clean, Collusion, GaussianNoise, Similarity, Simplify
+from wm3d.attacks import Chain, Clean, Collusion, GaussianNoise, Reorder, Similarity, Simplify
 from wm3d.attacks.base import Attack
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
 from wm3d.bench.plan import FalseAlarmCell, Task, TrialCell
@@ -93,6 +93,14 @@ def test_a_similarity_changes_neither_score_nor_axes():
     clean, turned = rows(cell(Clean()), cell(Similarity()))
     np.testing.assert_allclose(turned["z"], clean["z"], rtol=1e-9)
     np.testing.assert_allclose(turned["axis_deg"], clean["axis_deg"], atol=1e-6)
+
+
+def test_axes_turned_back_by_vertices_in_another_order_have_no_angle():
+    noisy = Chain(then=(GaussianNoise(percent=1.0), Similarity()))
+    shuffled = Chain(then=(Reorder(), Similarity()))
+    in_place, in_another = rows(cell(noisy), cell(shuffled))
+    assert (in_place["axis_deg"] < 5).all()
+    assert in_another["axis_deg"].isna().all()
 
 
 def test_wrong_keys_are_scored_on_the_same_attacked_mesh():

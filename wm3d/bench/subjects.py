@@ -18,6 +18,10 @@ from wm3d.scanner import Cylinder
 from wm3d.schemes import Scheme
 from wm3d.stats import RademacherSum
 
+MOST_RESIDUAL = 0.3
+"""RMS distance of the vertices after their best alignment, over their RMS radius, up to which they count as
+the same vertices in the same order; in another order it is nearly 1."""
+
 
 @dataclass(frozen=True, eq=False)
 class Mark:
@@ -43,7 +47,8 @@ class Reading:
     unreadable : str
         Why it cannot be read; empty where it can.
     axis_deg : float
-        Angle in degrees between the axes of the original and of the attacked mesh; NaN without axes.
+        Angle in degrees between the axes of the original and of the attacked mesh; NaN without axes, and
+        where an attack that turns the model left no vertices to turn it back by.
     attack_seconds, read_seconds : float
     """
 
@@ -141,9 +146,20 @@ def _axis_deviation(
     if before is None or after is None:
         return float("nan")
     if attack.turns:
-        if len(attacked.vertices) != len(subject.vertices):
+        back = _rotation_back(subject, attacked)
+        if back is None:
             return float("nan")
-        x, y = (mesh.vertices - mesh.vertices.mean(axis=0) for mesh in (subject, attacked))
-        back = Rotation.align_vectors(x / np.abs(x).max(), y / np.abs(y).max())[0]
         after = replace(after, axes=back.apply(after.axes))
     return before.axis_deviation(after)
+
+
+def _rotation_back(subject: Mesh, attacked: Mesh) -> Rotation | None:
+    """Rotation that turns the attacked mesh back, vertex by vertex; None where the vertices do not match."""
+    if len(attacked.vertices) != len(subject.vertices):
+        return None
+    x, y = (mesh.vertices - mesh.vertices.mean(axis=0) for mesh in (subject, attacked))
+    x, y = x / np.sqrt((x**2).sum()), y / np.sqrt((y**2).sum())
+    back = Rotation.align_vectors(x, y)[0]
+    # with the best scale too, the squared residual is 1 − (x · y)²
+    agreement = float((x * back.apply(y)).sum())
+    return back if agreement > 0 and 1 - agreement**2 <= MOST_RESIDUAL**2 else None
