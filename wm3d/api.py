@@ -38,7 +38,7 @@ def embed(
     marked : Mesh
         Same faces, moved vertices.
     key : Key
-        What `detect` needs.
+        What `detect` needs; the key in memory also has the original at hand where the scheme is not blind.
 
     Raises
     ------
@@ -70,12 +70,25 @@ def _checked_seed(seed: Any) -> int:
     return value
 
 
-def detect(mesh: Mesh, key: Key) -> Score:
-    """Look for a key in a mesh, without the original mesh.
+def detect(mesh: Mesh, key: Key, *, original: Mesh | None = None) -> Score:
+    """Look for a key in a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    key : Key
+    original : Mesh, optional
+        The mesh before it was marked. A blind scheme does not need it; for another it must be given with a
+        key that comes from a file.
 
     Returns
     -------
     Score
         With ``statistic``, ``z``, ``log10_p``, ``p_value`` and ``detected(pf)``.
+
+    Raises
+    ------
+    Wm3dError
+        If the mesh cannot be read, or the original is missing or another mesh.
     """
-    return key.score(mesh)
+    return (key if original is None else key.with_original(original)).score(mesh)

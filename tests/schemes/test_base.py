@@ -1,9 +1,10 @@
 """What every scheme inherits: a strength that reaches a wanted SNR, even where moves are not proportional."""
 
-from typing import ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 import pytest
+from pydantic import Field
 from shapes import box
 
 from wm3d.errors import Wm3dError
@@ -39,9 +40,21 @@ def test_strength_reaches_the_wanted_snr(power):
     assert scheme.growth**power == pytest.approx(10 ** (-50 / 20), rel=1e-6)
 
 
-def test_strength_that_does_not_settle_is_refused():
-    with pytest.raises(Wm3dError, match=r"^box: swelling .* cannot be set to an SNR of 50 dB\.$"):
-        Swelling(power=3.0).at_snr(box(), 0, 50.0)  # each correction overshoots by twice the miss
+def test_strength_is_bracketed_where_corrections_overshoot():
+    scheme = Swelling(power=3.0).at_snr(box(), 0, 50.0)  # each would overshoot by twice the miss
+    assert snr(box(), scheme.embed(box(), 0)[0]) == pytest.approx(50, abs=1e-6)
+
+
+class Bounded(Swelling):
+    """Cannot grow a mesh by half."""
+
+    growth: Annotated[float, Field(gt=0, lt=0.5)] = 0.1
+
+
+def test_strength_stays_below_its_bound():
+    assert Bounded().at_snr(box(), 0, 6.5).growth == pytest.approx(10 ** (-6.5 / 20))
+    with pytest.raises(Wm3dError, match=r"^box: swelling cannot be set to an SNR of 6 dB\.$"):
+        Bounded().at_snr(box(), 0, 6.0)  # a growth of 0.501
 
 
 def test_score_is_the_evidence_for_the_signs_of_the_seed():

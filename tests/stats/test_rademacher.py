@@ -101,3 +101,10 @@ def test_batch_rows_and_longer_keys_agree_with_single_keys():
 def test_negative_seed_or_length_is_refused(seed, n):
     with pytest.raises(Wm3dError, match="negative"):
         key_signs(seed, n)
+
+
+def test_bit_error_rate_counts_wrong_signs_and_half_of_those_not_read():
+    read = RademacherSum(0.0, np.array([2.0, -0.1, 3.0, 0.0]))
+    assert read.decoded.tolist() == [1, -1, 1, 0]
+    assert read.bit_error_rate([1, -1, 1, -1]) == 0.125
+    assert read.bit_error_rate([-1, -1, 1, 1]) == 0.375

@@ -76,7 +76,8 @@ def embed(
     """Mark a mesh and write its key.
 
     What detection finds in the file as written is printed. Both OUT and KEY.json are written, or neither;
-    existing files are replaced. Detection needs the key and nothing else: keep it, and keep it secret.
+    existing files are replaced. Detection needs the key and nothing else, but the original where the scheme is
+    not blind: keep it, and keep it secret.
 
     Example: wm3d embed bunny marked.ply --key key.json --snr 44
 
@@ -129,11 +130,15 @@ def detect(
             default_factory=Late(_default_pf),
         ),
     ],
+    original: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="The mesh before it was marked, for a scheme that is not blind."),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Look for the mark of a key in a mesh.
 
-    The original mesh is not needed. The p-value is the probability that a random key does as well as this one
+    A blind scheme does not need the original mesh. The p-value is the probability that a random key does as well as this one
     on the same mesh. Exit status 0: the mark is found; 1: it is not.
 
     The object of --json has the fields detected, p_value, log10_p, z, statistic, threshold_pf, scheme, mesh.
@@ -145,6 +150,8 @@ def detect(
     from wm3d.schemes import Key
 
     its_key = Key.load(key)
+    if original is not None:
+        its_key = its_key.with_original(read_mesh(original))
     score = its_key.score(read_mesh(mesh))
     detected = score.detected(pf)
     if as_json:

@@ -1,7 +1,10 @@
 """What every scheme offers: embed, score, and a strength that can be set from a wanted distortion."""
 
+import math
 from abc import ABC, abstractmethod
 from typing import ClassVar, Self
+
+from scipy.optimize import brentq
 
 from wm3d.arrays import SignArray
 from wm3d.component import Component
@@ -17,6 +20,12 @@ SNR_TOLERANCE = 1e-6
 SNR_REACH = 600.0
 """Change of SNR in dB beyond which `Scheme.at_snr` does not look: float64 coordinates span some 300 dB."""
 
+SNR_JUMP = 0.05
+"""Miss in dB that `Scheme.at_snr` accepts where the distortion jumps with the strength."""
+
+_STEPS = 40
+_NEPERS = math.log(10) / 20  # ln strength a decibel, where moves are proportional to the strength
+
 
 class Scheme(Component, ABC):
     """A mesh watermark with a secret seed of ±1 signs.
@@ -30,10 +39,14 @@ class Scheme(Component, ABC):
         The field that scales the distortion; SNR falls as it rises.
     blind : bool
         Whether detection does without the original mesh.
+    message : bool
+        Whether the signs are the bits of a message, each decided on its own, so that a bit error rate has a
+        meaning; otherwise they are one mark, found or not.
     """
 
     strength: ClassVar[str]
     blind: ClassVar[bool] = True
+    message: ClassVar[bool] = False
 
     @property
     @abstractmethod
@@ -60,6 +73,16 @@ class Scheme(Component, ABC):
             If the mesh cannot be posed.
         """
 
+    def with_original(self, original: Mesh) -> Self:  # noqa: ARG002 (a blind scheme does not need it)
+        """Return the scheme with the original at hand, which schemes that are not `blind` read against.
+
+        Raises
+        ------
+        Wm3dError
+            If the mark was embedded into another mesh.
+        """
+        return self
+
     def cylinder(self, mesh: Mesh) -> Cylinder | None:  # noqa: ARG002 (for schemes that have none)
         """Return the scanning cylinder that this scheme puts around a mesh, None if it uses none."""
         return None
@@ -80,13 +103,32 @@ class Scheme(Component, ABC):
         Wm3dError
             If no strength gives that SNR.
         """
-        scheme = self
-        for _ in range(40):
-            miss = snr(mesh, scheme.embed(mesh, seed)[0]) - decibels
+        limit, value = math.log(self._strength_limit()), math.log(getattr(self, self.strength))
+        bracket: dict[bool, float] = {}  # ln strength by whether it is too weak
+        last = math.inf
+        for _ in range(_STEPS):
+            miss = self._miss(mesh, seed, decibels, value)
             if abs(miss) <= SNR_TOLERANCE:
-                return scheme
+                return self._of_strength(value)
             if not abs(miss) < SNR_REACH:  # also NaN, and an SNR of ∞ where no vertex moves
                 break
-            value = getattr(scheme, self.strength) * 10 ** (miss / 20)  # exact where moves are proportional
-            scheme = scheme.model_copy(update={self.strength: value})
+            bracket[miss > 0] = value
+            if len(bracket) == 2 and abs(miss) > abs(last) / 2:
+                value = brentq(lambda x: self._miss(mesh, seed, decibels, x), bracket[True], bracket[False])
+                if abs(self._miss(mesh, seed, decibels, value)) <= SNR_JUMP:
+                    return self._of_strength(value)
+                break
+            proposed = value + miss * _NEPERS  # exact where moves are proportional
+            value, last = proposed if proposed < limit else (value + limit) / 2, miss
         raise Wm3dError(f"{mesh.name}: {self.label()} cannot be set to an SNR of {decibels:g} dB.")
+
+    def _of_strength(self, log_strength: float) -> Self:
+        return self.model_copy(update={self.strength: math.exp(log_strength)})
+
+    def _miss(self, mesh: Mesh, seed: int, decibels: float, log_strength: float) -> float:
+        return snr(mesh, self._of_strength(log_strength).embed(mesh, seed)[0]) - decibels
+
+    def _strength_limit(self) -> float:
+        """Return the bound that the field of the strength declares, ∞ if none."""
+        metadata = type(self).model_fields[self.strength].metadata
+        return min((m.lt for m in metadata if hasattr(m, "lt")), default=math.inf)

@@ -2,7 +2,7 @@
 
 import json
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +31,18 @@ class Key:
     seed: int
 
     def score(self, mesh: Mesh) -> Score:
-        """Look for this key in a mesh."""
+        """Look for this key in a mesh.
+
+        Raises
+        ------
+        Wm3dError
+            If the scheme is not blind and the original is not at hand; see `with_original`.
+        """
         return self.scheme.score(mesh, self.seed)
+
+    def with_original(self, original: Mesh) -> "Key":
+        """Return the key with the original mesh at hand, which a file of a key never holds."""
+        return replace(self, scheme=self.scheme.with_original(original))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the key as JSON.

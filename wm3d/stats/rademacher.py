@@ -55,6 +55,21 @@ class RademacherSum:
         reach = float(np.abs(self.b).sum())
         return log10_tail(self.b, reach / self.scale) if self.scale > 0 else 0.0
 
+    @property
+    def decoded(self) -> SignArray:
+        """The message that is read, (n,) of int8: the sign of each weight, 0 where nothing is read."""
+        return np.sign(self.b).astype(np.int8)
+
+    def bit_error_rate(self, signs: ArrayLike) -> float:
+        """Return the share of signs that are read wrong; one that is not read at all counts as one half.
+
+        Parameters
+        ----------
+        signs : (n,) array_like
+            The message w, each ±1.
+        """
+        return float((1 - self.decoded * self._checked(signs)).mean() / 2)
+
     def score(self, signs: ArrayLike) -> "Score":
         """Return the statistic of one key with its exact p-value over uniform keys.
 
@@ -68,14 +83,17 @@ class RademacherSum:
         Wm3dError
             If the signs are not as many as the weights, or not all ±1.
         """
+        total = float(self.b @ self._checked(signs))
+        z = total / self.scale if self.scale > 0 else 0.0
+        return Score(self.offset + total, z, log10_tail(self.b, z), self)
+
+    def _checked(self, signs: ArrayLike) -> FloatArray:
         w = np.asarray(signs, dtype=np.float64)
         if w.shape != self.b.shape:
             raise Wm3dError(f"The key has shape {w.shape}, but the statistic reads {self.b.shape} signs.")
         if not (np.abs(w) == 1).all():
             raise Wm3dError("A key consists of the signs +1 and -1 only.")
-        total = float(self.b @ w)
-        z = total / self.scale if self.scale > 0 else 0.0
-        return Score(self.offset + total, z, log10_tail(self.b, z), self)
+        return w
 
 
 @dataclass(frozen=True, eq=False)
