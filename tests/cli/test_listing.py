@@ -32,6 +32,7 @@ def test_other_words_of_a_parameter_are_listed(wm3d: Run) -> None:
 @pytest.mark.parametrize(
     ("kind", "name"),
     [
+        ("imagemarks", "cox"),
         ("detectors", "ggd-lrt"),
         ("metrics", "snr"),
         ("poses", "vertex-pca"),

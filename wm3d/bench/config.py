@@ -152,6 +152,6 @@ def _checked(document: Document) -> Experiment:
 
 def _components() -> dict[str, type[Component]]:
     """Every component that a config can hold, by name, to suggest parameter names."""
-    from wm3d.imagemarks import DETECTORS
+    from wm3d.imagemarks import DETECTORS, IMAGEMARKS
 
-    return {**ATTACKS, **SCHEMES, **DETECTORS}
+    return {**ATTACKS, **SCHEMES, **IMAGEMARKS, **DETECTORS}

@@ -12,14 +12,15 @@ from wm3d.cli.table import print_table
 if TYPE_CHECKING:
     from wm3d.component import Component
 
-Kind = Literal["schemes", "attacks", "detectors", "metrics", "poses"]
+Kind = Literal["schemes", "attacks", "imagemarks", "detectors", "metrics", "poses"]
 
 data = typer.Typer(help="Named meshes: list, download, find them.", no_args_is_help=False)
 
 
 def list_components(
     kind: Annotated[
-        Kind, typer.Argument(metavar="KIND", help="schemes, attacks, detectors, metrics or poses.")
+        Kind,
+        typer.Argument(metavar="KIND", help="schemes, attacks, imagemarks, detectors, metrics or poses."),
     ],
 ) -> None:
     """List what configs and commands can name.
@@ -103,13 +104,14 @@ def data_path(name: Name) -> None:
 
 def _components(kind: str) -> "Mapping[str, type[Component]]":
     from wm3d.attacks import ATTACKS
-    from wm3d.imagemarks import DETECTORS
+    from wm3d.imagemarks import DETECTORS, IMAGEMARKS
     from wm3d.scanner import POSES
     from wm3d.schemes import SCHEMES
 
     tables: dict[str, Mapping[str, type[Component]]] = {
         "schemes": SCHEMES,
         "attacks": ATTACKS,
+        "imagemarks": IMAGEMARKS,
         "detectors": DETECTORS,
         "poses": POSES,
     }

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 from scipy.special import digamma, gammaln
 
-from wm3d.arrays import FloatArray
+from wm3d.arrays import FloatArray, IntArray
 from wm3d.component import Component
 from wm3d.stats import RademacherSum
 
@@ -73,6 +73,29 @@ class Linear(Component):
 
 Detector = Annotated[GgdLrt | Linear, Field(discriminator="name")]
 DETECTORS: dict[str, type[GgdLrt] | type[Linear]] = {"ggd-lrt": GgdLrt, "linear": Linear}
+
+
+def grouped_evidence(
+    detector: Detector, received: FloatArray, group: IntArray, alpha: float
+) -> RademacherSum:
+    """Return the statistic of coefficients that share their scale within groups of any size.
+
+    Parameters
+    ----------
+    detector : Detector
+    received : (n,) ndarray
+        y; NaN where a coefficient is not read.
+    group : (n,) ndarray of int
+        Number of the group of each coefficient; does not fall.
+    alpha : float
+        Amplitude α of the mark.
+    """
+    _, group = np.unique(group, return_inverse=True)
+    rank = np.arange(group.size) - np.searchsorted(group, group)
+    table = np.full((rank.max() + 1, group[-1] + 1), np.nan)
+    table[rank, group] = received
+    evidence = detector.evidence(table, alpha)
+    return RademacherSum(evidence.offset, evidence.b.reshape(table.shape)[rank, group])
 
 
 def _flat(b: FloatArray) -> FloatArray:

@@ -2,7 +2,8 @@
 
 from wm3d.schemes.base import Scheme
 from wm3d.schemes.key import Key
+from wm3d.schemes.range_mark import RangeMark
 from wm3d.schemes.registry import SCHEMES
 from wm3d.schemes.song2002 import Song2002
 
-__all__ = ["SCHEMES", "Key", "Scheme", "Song2002"]
+__all__ = ["SCHEMES", "Key", "RangeMark", "Scheme", "Song2002"]
