@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from shapes import tetrahedron
+from shapes import icosphere, tetrahedron
 
 from wm3d.attacks import ATTACKS
 from wm3d.bench import load_experiment, write_report
@@ -36,11 +36,13 @@ Z = {"clean": 30.0, "similarity": 30.0, "gaussian-noise": 4.5, "simplify": -1.0}
 """Mean score after each attack: found, found, found at times at Pf = 1e-6 (z 4.75), lost."""
 
 
-def made_up_run(path: Path, mesh: str = "bunny", scheme: str = "song2002") -> RunDirectory:
+def made_up_run(
+    path: Path, mesh: str = "bunny", scheme: str = "song2002", config: str = CONFIG
+) -> RunDirectory:
     """Run directory with invented rows: eight keys an attack, spread by 1 around `Z`, two wrong keys each."""
     directory = RunDirectory(path)
     directory.create()
-    directory.write_text("config.yaml", CONFIG.format(mesh=json.dumps(mesh)))
+    directory.write_text("config.yaml", config.format(mesh=json.dumps(mesh)))
     experiment = load_experiment(path / "config.yaml")
     meshes = {mesh: tetrahedron()}
     cells = plan(experiment, meshes)
@@ -109,6 +111,39 @@ def test_report_refers_to_nothing_outside_itself(run: RunDirectory, page: Page) 
     assert not {"link", "iframe", "object", "embed", "base"} & set(page.tags)
     ids = [value for name, value in page.attributes if name == "id"]
     assert {link[1:] for link in links if link.startswith("#")} <= set(ids)
+
+
+def test_a_heat_map_is_drawn_from_four_attacks_on(run: RunDirectory, page: Page, tmp_path: Path) -> None:
+    assert ("id", "heatmap") in page.attributes
+    assert (run.path / "figures" / "heatmap.png").is_file()
+    fewer = made_up_run(tmp_path, config=CONFIG.replace(", {{name: similarity}}", ""))
+    write_report(fewer.path)
+    assert [file.name for file in (tmp_path / "figures").glob("*.svg")] == ["roc.svg"]
+    assert 'id="heatmap"' not in (tmp_path / "report.html").read_text()
+
+
+def test_noise_is_told_in_its_common_unit_wherever_it_appears(run: RunDirectory, page: Page) -> None:
+    name = "gaussian-noise 0.6 rms-vector (σ 0.35 %)"  # 0.6 / √3
+    for figure in ("roc", "heatmap"):
+        drawn = (run.path / "figures" / f"{figure}.svg").read_text()
+        assert name in drawn
+        assert "standard deviation of noise on each coordinate" in " ".join(drawn.split())
+    table = pd.read_csv(run.path / "tables" / "detection.csv").set_index("attack")["sigma_percent"]
+    assert table.dropna().to_dict() == {"gaussian-noise 0.6 rms-vector": pytest.approx(0.6 / 3**0.5)}
+    assert "σ, %" in page.text
+
+
+def test_noise_of_the_benchmark_depends_on_the_mesh(tmp_path: Path) -> None:
+    config = tmp_path / "config.yaml"
+    config.write_text(CONFIG.format(mesh="bunny") + "suites: [liris2010]\n")
+    experiment = load_experiment(config)
+    meshes = {"a": tetrahedron(), "b": icosphere(2)}
+    told = json.loads(manifest(experiment, meshes, [], datetime.now(UTC), 0))["sigma_percent"]
+    # on the sphere r̄ is 1 and the diagonal √12
+    assert told["b"]["uniform-noise 0.3"] == pytest.approx(0.3 / 12**0.5 / 3**0.5, rel=0.02)
+    assert told["a"]["uniform-noise 0.3"] != told["b"]["uniform-noise 0.3"]
+    noise = {f"uniform-noise {a}" for a in (0.05, 0.1, 0.3, 0.5)}
+    assert told["a"].keys() == noise | {"gaussian-noise 0.6 rms-vector"}
 
 
 def test_every_table_can_be_had_from_the_report(run: RunDirectory, page: Page) -> None:

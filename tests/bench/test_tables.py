@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import norm
+from scipy.stats import norm, ttest_1samp
 
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
 from wm3d.bench.tables import NULL_LEVEL, all_tables, counted, detection, nulls, swept
@@ -42,6 +42,20 @@ def test_pd_is_the_share_of_trials_whose_p_reaches_pf():
     low, high = clopper_pearson(1, 4)
     assert (line["pd_1e-06_low"], line["pd_1e-06_high"]) == (low, high)
     assert line["trials"] == 4
+
+
+def test_d_prime_is_the_mean_of_z_with_the_interval_of_the_t_test():
+    z = [3.0, 4.5, 2.0, 7.25]
+    (line,) = detection(frame(z), PF).to_dict("records")
+    band = ttest_1samp(z, 0).confidence_interval(0.95)
+    assert line["d_prime"] == np.mean(z)
+    assert (line["d_prime_low"], line["d_prime_high"]) == pytest.approx((band.low, band.high))
+
+
+def test_noise_has_its_common_unit_in_a_column_and_what_is_no_noise_has_none():
+    rows = pd.concat([frame([1.0]), frame([1.0], attack="noise 0.5")])
+    table = detection(rows, PF, {"m": {"noise 0.5": 0.07}, "another mesh": {"clean": 1.0}})
+    np.testing.assert_array_equal(table["sigma_percent"], [np.nan, 0.07])
 
 
 def test_failed_trials_are_counted_and_left_out():

@@ -1,13 +1,13 @@
-"""Intervals of proportions against their definitions, and their coverage."""
+"""Intervals of proportions and means against their definitions, and their coverage."""
 
 import math
 
 import numpy as np
 import pytest
-from scipy.stats import binom, binomtest
+from scipy.stats import binom, binomtest, ttest_1samp
 
 from wm3d.errors import Wm3dError
-from wm3d.stats import clopper_pearson, korn_graubard, quoted
+from wm3d.stats import clopper_pearson, korn_graubard, quoted, student_t
 
 
 @pytest.mark.parametrize(("k", "n"), [(0, 1), (1, 1), (0, 30), (30, 30), (7, 30), (3, 10**8)])
@@ -55,6 +55,13 @@ def test_batches_without_events_fall_back_on_the_trials():
     assert korn_graubard(0, 0, 10, 100) == clopper_pearson(0, 1000)
     assert korn_graubard(1000, 10 * 100**2, 10, 100) == clopper_pearson(1000, 1000)
     assert korn_graubard(7, 49, 1, 100) == clopper_pearson(7, 100)
+
+
+def test_interval_of_a_mean_is_that_of_the_t_test():
+    values = [3.0, 4.5, 2.0, 7.25]
+    expected = ttest_1samp(values, 0).confidence_interval(0.9)
+    assert student_t(values, 0.9) == pytest.approx((expected.low, expected.high), rel=1e-12)
+    assert np.isnan(student_t([3.0])).all()
 
 
 def test_probability_is_quoted_from_ten_events():

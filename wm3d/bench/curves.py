@@ -14,8 +14,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from wm3d.arrays import FloatArray
-from wm3d.bench.figures import COLORS, caption, power_of_ten, styled
-from wm3d.bench.tables import cells
+from wm3d.bench.figures import COLORS, SIGMA_CAPTION, attack_name, caption, power_of_ten, styled
+from wm3d.bench.tables import Sigmas, cells
 from wm3d.stats import d_prime, roc
 
 LEAST_LOG10_PF = -8
@@ -42,7 +42,7 @@ TITLE_WIDTH = 72
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1)))
 
 
-def roc_figure(rows: pd.DataFrame, credits: Mapping[str, str | None]) -> Figure:
+def roc_figure(rows: pd.DataFrame, credits: Mapping[str, str | None], sigmas: Sigmas | None = None) -> Figure:
     """Draw Pd against log10 Pf, a panel for each mesh and scheme, a curve for each attack.
 
     Each trial is held to Pf by the exact key null of its own mesh; bands are 95 % Clopper–Pearson. Where the
@@ -54,15 +54,17 @@ def roc_figure(rows: pd.DataFrame, credits: Mapping[str, str | None]) -> Figure:
     rows : DataFrame
     credits : mapping of str to str or None
         Line that a figure of a mesh must carry, by its name.
+    sigmas : mapping of str to mapping of str to float, optional
+        Noise in its common unit, by mesh and label of the attack.
     """
     cases: dict[tuple[str, str], dict[str, pd.DataFrame]] = {}
     for (mesh, scheme, attack), group in cells(rows, "H1"):
         cases.setdefault((mesh, scheme), {})[attack] = group
-    panels = []
+    panels, noise = [], sigmas or {}
     for (mesh, scheme), attacks in cases.items():
         keys = max(map(len, attacks.values()))
         title = textwrap.fill(f"{mesh}, {scheme}, {keys} keys", TITLE_WIDTH)
-        panels += [(title, curves) for curves in _shared_out(_curves(attacks, keys))]
+        panels += [(title, curves) for curves in _shared_out(_curves(attacks, keys, noise.get(mesh, {})))]
     heights = [3.5 + 0.17 * _legend_lines(curves) for _, curves in panels]
     with styled():
         figure = Figure(figsize=(6.4, sum(heights) + 0.5), layout=ConstrainedLayoutEngine(hspace=0.05))
@@ -70,7 +72,8 @@ def roc_figure(rows: pd.DataFrame, credits: Mapping[str, str | None]) -> Figure:
         for panel, (title, curves) in zip(axes, panels, strict=True):
             panel.set_title(title, loc="left", fontsize=10)
             _roc_panel(panel, curves)
-        caption(figure, NULL_CAPTION, [mesh for mesh, _ in cases], credits)
+        text = NULL_CAPTION + (SIGMA_CAPTION if any(noise.values()) else "")
+        caption(figure, text, [mesh for mesh, _ in cases], credits)
     return figure
 
 
@@ -89,11 +92,12 @@ class _Curve:
         return grid, curve.pd, curve.low, curve.high
 
 
-def _curves(attacks: Mapping[str, pd.DataFrame], keys: int) -> list[_Curve]:
+def _curves(attacks: Mapping[str, pd.DataFrame], keys: int, sigmas: Mapping[str, float]) -> list[_Curve]:
     curves = []
     for attack, group in attacks.items():
         scored = group[group["log10_p"].notna()]
-        label = textwrap.fill(f"{attack}: d′ = {d_prime(scored['z']):.1f}", 80)
+        name = attack_name(attack, [sigmas.get(attack, np.nan)])
+        label = textwrap.fill(f"{name}: d′ = {d_prime(scored['z']):.1f}", 80)
         label += f" ({len(scored)} of {keys} keys)" if len(scored) < keys else ""
         log10_p = np.sort(np.maximum(scored["log10_p"].to_numpy(np.float64), LEAST_LOG10_PF))
         curves.append(_Curve(label, attack.partition(" ")[0], log10_p))
@@ -178,29 +182,32 @@ def _decades(panel: Axes, least: int) -> None:
     panel.set_xlim(least, 0)
 
 
-def false_alarm_figure(table: pd.DataFrame, credits: Mapping[str, str | None]) -> Figure:
+def false_alarm_figure(
+    table: pd.DataFrame, credits: Mapping[str, str | None], sigmas: Sigmas | None = None
+) -> Figure:
     """Draw counted Pf over exact Pf against exact Pf, a panel for each mesh and scheme, points by attack.
 
     Parameters
     ----------
     table : DataFrame
         `wm3d.bench.tables.counted`.
-    credits : mapping of str to str or None
+    credits, sigmas
         As for `roc_figure`.
     """
-    cases = list(table.groupby(["mesh", "scheme"], sort=False))
+    cases, noise = list(table.groupby(["mesh", "scheme"], sort=False)), sigmas or {}
     with styled():
         figure = Figure(figsize=(6.4, 3.4 * len(cases) + 0.4), layout="constrained")
         axes = figure.subplots(len(cases), 1, squeeze=False)[:, 0]
         for panel, ((mesh, scheme), group) in zip(axes, cases, strict=True):
             title = f"{mesh}, {scheme}, {group['keys'].max():,} keys an attack"
             panel.set_title(textwrap.fill(title, TITLE_WIDTH), loc="left", fontsize=10)
-            _ratio_panel(panel, group)
-        caption(figure, FALSE_ALARM_CAPTION, dict.fromkeys(table["mesh"]), credits)
+            _ratio_panel(panel, group, noise.get(str(mesh), {}))
+        text = FALSE_ALARM_CAPTION + (SIGMA_CAPTION if any(noise.values()) else "")
+        caption(figure, text, dict.fromkeys(table["mesh"]), credits)
     return figure
 
 
-def _ratio_panel(panel: Axes, table: pd.DataFrame) -> None:
+def _ratio_panel(panel: Axes, table: pd.DataFrame, sigmas: Mapping[str, float]) -> None:
     attacks = list(table.groupby("attack", sort=False))
     for k, ((attack, curve), color) in enumerate(zip(attacks, cycle(COLORS), strict=False)):
         quoted = curve[curve["pf"].notna() & (curve["z"] > 0)].iloc[::POINT_EVERY]
@@ -211,7 +218,7 @@ def _ratio_panel(panel: Axes, table: pd.DataFrame) -> None:
         )  # or they would hide each other
         panel.errorbar(
             beside, ratio, [ratio - low, high - ratio], fmt=".", markersize=4, linewidth=0.9, color=color,
-            label=str(attack),
+            label=attack_name(str(attack), [sigmas.get(str(attack), np.nan)]),
         )  # fmt: skip
     panel.axhline(1, color="0.5", linewidth=0.8)
     least = int(np.floor(table.loc[table["pf"].notna(), "log10_pf_exact"].to_numpy().min(initial=-1)))

@@ -1,6 +1,7 @@
 """What all figures of a run share: colours, style, captions, files."""
 
 import io
+import math
 import re
 import textwrap
 import warnings
@@ -33,11 +34,24 @@ STYLE: dict[str, Any] = {
 }
 
 
+SIGMA_CAPTION = " σ: standard deviation of noise on each coordinate in % of the diagonal of the bounding box."
+"""What a reader must know under a figure with noise in it."""
+
+
 def caption(figure: Figure, text: str, meshes: Iterable[str], credits: Mapping[str, str | None]) -> None:
     """Write below a figure what a reader must know, and the credits that its meshes owe."""
     owed = list(dict.fromkeys(filter(None, map(credits.get, meshes))))
     text += f" Meshes: {'; '.join(owed)}." if owed else ""
     figure.supxlabel(textwrap.fill(text, 125), fontsize=6.5, x=0.01, ha="left", color="0.45")
+
+
+def attack_name(attack: str, sigmas: Iterable[float]) -> str:
+    """Write an attack with its noise in the common unit, the range of it where several meshes differ."""
+    values = sorted(sigma for sigma in set(sigmas) if not math.isnan(sigma))
+    if not values:
+        return attack
+    ends = dict.fromkeys(f"{sigma:.2g}" for sigma in (values[0], values[-1]))
+    return f"{attack} (σ {'–'.join(ends)} %)"
 
 
 def power_of_ten(exponent: float) -> str:

@@ -17,7 +17,12 @@ DIGITS = 4
 """Significant digits of the largest number in a column; the others get as many decimals."""
 
 TITLES = {
-    "detection": ("Detection", "Pd at each Pf with its 95 % Clopper–Pearson interval, from exact p-values."),
+    "detection": (
+        "Detection",
+        "Pd at each Pf with its 95 % Clopper–Pearson interval, from exact p-values. d′ is the mean of z over "
+        "keys, whose null has mean 0 and variance 1, with its 95 % interval by Student’s t. σ is the "
+        "standard deviation of noise on each coordinate in % of the diagonal of the bounding box.",
+    ),
     "snr": ("Distortion", "Signal-to-noise ratio of the marked meshes over keys, in dB (eq. 13)."),
     "axes": (
         "Axes",
@@ -42,6 +47,7 @@ TITLES = {
 """Heading and explanation of the tables by file name; others are called by their file name."""
 
 HEADINGS = {
+    "sigma_percent": "σ, %",
     "faces_out": "faces after",
     "z_mean": "mean z",
     "z_std": "std z",
@@ -118,14 +124,16 @@ def html_table(name: str, table: pd.DataFrame) -> HtmlTable:
     name : str
     table : DataFrame
         Columns ``X_low`` and ``X_high`` are shown as the interval of ``X``; mesh, scheme and whole numbers
-        that are the same throughout move to `common`.
+        that are the same throughout move to `common`. A column of no numbers at all, such as the noise of a
+        run without noise, is left out.
     """
     title, about = TITLES.get(name, (name.replace("_", " ").capitalize(), ""))
     common = [str(column) for column in table.columns if _is_common(table[column])]
     bounds = {
         f"{value}_{end}" for value in table.columns for end in ("low", "high") if _has_interval(table, value)
     }
-    shown = [str(column) for column in table.columns if column not in {*common, *bounds}]
+    empty = {column for column in table.columns if len(table) and table[column].isna().all()}
+    shown = [str(column) for column in table.columns if column not in {*common, *bounds, *empty}]
     shown.sort(
         key=lambda column: column not in {*CELL_KEYS, "hypothesis"}
     )  # what a line is about comes first

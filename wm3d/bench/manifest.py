@@ -10,6 +10,7 @@ from typing import Any
 
 from packaging.requirements import Requirement
 
+from wm3d.attacks import Noise
 from wm3d.bench.config import Experiment
 from wm3d.bench.plan import Cell
 from wm3d.mesh import Mesh, datasets
@@ -49,6 +50,7 @@ def manifest(
         },
         "versions": _versions(),
         "meshes": {name: _mesh_entry(name, mesh) for name, mesh in meshes.items()},
+        "sigma_percent": {name: _noise(experiment, mesh) for name, mesh in meshes.items()},
         "lost_trials": lost_trials,
         "cells": [cell.digest for cell in cells if cell.kind == "trials"],
         "false_alarm_cells": [cell.digest for cell in cells if cell.kind == "false-alarms"],
@@ -61,6 +63,12 @@ def _versions() -> dict[str, str]:
     needed = [Requirement(line) for line in requires("wm3d") or []]
     names = sorted(need.name for need in needed if need.marker is None)
     return {"wm3d": version("wm3d")} | {name: version(name) for name in names}
+
+
+def _noise(experiment: Experiment, mesh: Mesh) -> dict[str, float]:
+    """Noise of an experiment in its common unit, by the label of the attack; of the mesh without a mark."""
+    noise = [attack for attack in experiment.attacks if isinstance(attack, Noise)]
+    return {attack.label(): attack.sigma_percent(mesh) for attack in noise}
 
 
 def _mesh_entry(name: str, mesh: Mesh) -> dict[str, Any]:

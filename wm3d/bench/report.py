@@ -13,9 +13,11 @@ from wm3d.bench import figures
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
 from wm3d.bench.config import load_experiment
 from wm3d.bench.curves import false_alarm_figure, roc_figure
+from wm3d.bench.findings import quoted_pf
+from wm3d.bench.heatmap import LEAST_ATTACKS, heatmap_figure
 from wm3d.bench.html import Run, render
 from wm3d.bench.store import RunDirectory
-from wm3d.bench.tables import all_tables
+from wm3d.bench.tables import Sigmas, all_tables
 from wm3d.errors import Wm3dError
 
 
@@ -57,9 +59,11 @@ def write_report(run_dir: str | Path) -> Report:
     rows = read_rows(directory, manifest["cells"])
     false_alarms = read_rows(directory, manifest["false_alarm_cells"], FALSE_ALARMS)
     directory.create()  # a copy of a run may lack its empty folders
-    tables = all_tables(rows, experiment.pf, false_alarms)
+    sigmas: Sigmas = manifest.get("sigma_percent", {})  # runs of earlier versions have none
+    tables = all_tables(rows, experiment.pf, false_alarms, sigmas)
     directory.write_tables(tables)
-    drawn = _figures(rows, tables, {name: mesh["credit"] for name, mesh in manifest["meshes"].items()})
+    credits = {name: mesh["credit"] for name, mesh in manifest["meshes"].items()}
+    drawn = _figures(rows, tables, credits, sigmas, quoted_pf(experiment.pf))
     saved = {name: figures.save(figure, directory, name) for name, figure in drawn.items()}
     run = Run(
         experiment=experiment,
@@ -74,14 +78,20 @@ def write_report(run_dir: str | Path) -> Report:
 
 
 def _figures(
-    rows: pd.DataFrame, tables: Mapping[str, pd.DataFrame], credits: Mapping[str, str | None]
+    rows: pd.DataFrame,
+    tables: Mapping[str, pd.DataFrame],
+    credits: Mapping[str, str | None],
+    sigmas: Sigmas,
+    pf: float,
 ) -> dict[str, Figure]:
     """Return the figures by name, as far as there are rows for them."""
     drawn = {}
     if (rows["hypothesis"] == "H1").any():
-        drawn["roc"] = roc_figure(rows, credits)
+        drawn["roc"] = roc_figure(rows, credits, sigmas)
+    if tables["detection"]["attack"].nunique() >= LEAST_ATTACKS:
+        drawn["heatmap"] = heatmap_figure(tables["detection"], pf, credits)
     if "false_alarms" in tables:
-        drawn["false_alarms"] = false_alarm_figure(tables["false_alarms"], credits)
+        drawn["false_alarms"] = false_alarm_figure(tables["false_alarms"], credits, sigmas)
     return drawn
 
 

@@ -1,17 +1,20 @@
 """Tables of a run: pure functions of its rows, one line for each mesh, scheme and attack."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import kstest
 
-from wm3d.stats import auc, clopper_pearson, d_prime, eer, exceedances, quoted, roc
+from wm3d.stats import auc, clopper_pearson, d_prime, eer, exceedances, quoted, roc, student_t
 
 Line = dict[str, Any]
 
 CELL_KEYS = ["mesh", "scheme", "attack"]
+Sigmas = Mapping[str, Mapping[str, float]]
+"""Noise by mesh and attack: standard deviation of each coordinate in percent of the diagonal."""
+
 FLIPPED_DEG = 90.0
 """An axis that turned further than this changed its sign."""
 
@@ -20,7 +23,7 @@ NULL_LEVEL = 0.01
 
 
 def all_tables(
-    rows: pd.DataFrame, pf: Sequence[float], false_alarms: pd.DataFrame
+    rows: pd.DataFrame, pf: Sequence[float], false_alarms: pd.DataFrame, sigmas: Sigmas | None = None
 ) -> dict[str, pd.DataFrame]:
     """Return every table by file name.
 
@@ -33,9 +36,11 @@ def all_tables(
     false_alarms : DataFrame
         Monte Carlo curves, with the columns `wm3d.bench.columns.FALSE_ALARMS`; tables of them are made only
         if there are any.
+    sigmas : mapping of str to mapping of str to float, optional
+        Noise in its common unit, by mesh and label of the attack.
     """
     tables = {
-        "detection": detection(rows, pf),
+        "detection": detection(rows, pf, sigmas),
         "snr": distortion(rows),
         "axes": axes(rows),
         "nulls": nulls(rows),
@@ -47,19 +52,29 @@ def all_tables(
     return tables
 
 
-def detection(rows: pd.DataFrame, pf: Sequence[float]) -> pd.DataFrame:
+def detection(rows: pd.DataFrame, pf: Sequence[float], sigmas: Sigmas | None = None) -> pd.DataFrame:
     """Pd at each Pf with its 95 % Clopper–Pearson interval, d', AUC and EER, from exact p-values.
+
+    The null of z has mean 0 and variance 1 exactly, so d' is the mean of z over keys and its 95 % interval
+    that of Student's t. `sigma_percent` is the standard deviation of noise on each coordinate in percent of
+    the diagonal of the bounding box, NaN for attacks that are no noise.
 
     Trials whose attack failed are counted in `failed` and left out; a mesh that cannot be read counts as not
     detected, with p = 1.
     """
-    return _table(rows, "H1", lambda group: _detection_row(group, pf))
+    table = _table(rows, "H1", lambda group: _detection_row(group, pf))
+    sigma = [
+        (sigmas or {}).get(mesh, {}).get(attack, np.nan)
+        for mesh, attack in zip(table["mesh"], table["attack"], strict=True)
+    ]
+    table.insert(len(CELL_KEYS), "sigma_percent", np.array(sigma, np.float64))
+    return table
 
 
 def _detection_row(group: pd.DataFrame, pf: Sequence[float]) -> Line:
     scored = group[group["log10_p"].notna()]
     z, log10_p = scored["z"].to_numpy(), scored["log10_p"].to_numpy()
-    curve = roc(log10_p, np.log10(pf))
+    curve, mean = roc(log10_p, np.log10(pf)), student_t(z)
     line = {
         "trials": len(scored),
         "failed": len(group) - len(scored),
@@ -68,6 +83,8 @@ def _detection_row(group: pd.DataFrame, pf: Sequence[float]) -> Line:
         "z_mean": z.mean() if len(z) else np.nan,
         "z_std": z.std(ddof=1) if len(z) > 1 else np.nan,
         "d_prime": d_prime(z),
+        "d_prime_low": float(mean.low),
+        "d_prime_high": float(mean.high),
         "auc": auc(log10_p),
         "eer": eer(log10_p),
     }

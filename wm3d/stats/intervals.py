@@ -1,4 +1,4 @@
-"""Confidence intervals of a proportion, from independent trials or from independent batches of trials."""
+"""Confidence intervals: of a proportion, from trials or from batches of trials, and of a mean."""
 
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ QUOTABLE_COUNT = 10
 
 
 class Interval(NamedTuple):
-    """A two-sided confidence interval; both ends have the shape of the counts it came from."""
+    """A two-sided confidence interval; both ends have the shape of what it is about."""
 
     low: FloatArray
     high: FloatArray
@@ -99,6 +99,28 @@ def korn_graubard(
         few = (stdtrit(batches - 1, _tail(confidence)) / stdtrit(n - 1, _tail(confidence))) ** 2
         deff = np.where(known, np.maximum(deff, 1.0) * few, 1.0)
     return clopper_pearson(k / deff, n / deff, confidence)
+
+
+def student_t(values: ArrayLike, confidence: float = DEFAULT_CONFIDENCE) -> Interval:
+    """Return the interval of the mean of independent values, mean ± t s/√n.
+
+    Parameters
+    ----------
+    values : (n,) array_like of float
+        Exact for Gaussian values. Fewer than two tell nothing of their spread: NaN.
+    confidence : float
+        Coverage in (0, 1).
+
+    Returns
+    -------
+    Interval
+        t is the quantile of Student's law of n − 1 degrees of freedom, s² the variance over n − 1.
+    """
+    x, tail = np.asarray(values, dtype=np.float64), _tail(confidence)
+    if x.size < 2:
+        return Interval(np.array(np.nan), np.array(np.nan))
+    reach = -stdtrit(x.size - 1, tail) * x.std(ddof=1) / np.sqrt(x.size)
+    return Interval(x.mean() - reach, x.mean() + reach)
 
 
 def quoted(events: ArrayLike, trials: ArrayLike) -> FloatArray:
