@@ -76,8 +76,8 @@ def embed(
     """Mark a mesh and write its key.
 
     What detection finds in the file as written is printed. Both OUT and KEY.json are written, or neither;
-    existing files are replaced. Detection needs the key and nothing else, but the original where the scheme is
-    not blind: keep it, and keep it secret.
+    existing files are replaced. Detection needs the key, and the original only where the scheme is not blind:
+    keep the key, and keep it secret.
 
     Example: wm3d embed bunny marked.ply --key key.json --snr 44
 
@@ -138,8 +138,8 @@ def detect(
 ) -> None:
     """Look for the mark of a key in a mesh.
 
-    A blind scheme does not need the original mesh. The p-value is the probability that a random key does as well as this one
-    on the same mesh. Exit status 0: the mark is found; 1: it is not.
+    A blind scheme does not need the original mesh. The p-value is the probability that a random key does as
+    well as this one on the same mesh. Exit status 0: the mark is found; 1: it is not.
 
     The object of --json has the fields detected, p_value, log10_p, z, statistic, threshold_pf, scheme, mesh.
     A p-value below 1e-323 prints as 0 while log10_p still tells it; log10_p is null where p itself is 0.

@@ -20,10 +20,14 @@ SNR_TOLERANCE = 1e-6
 SNR_REACH = 600.0
 """Change of SNR in dB beyond which `Scheme.at_snr` does not look: float64 coordinates span some 300 dB."""
 
+SNR_BRACKETED = 1e-3
+"""How near it comes where moves are far from proportional to the strength, in dB."""
+
 SNR_JUMP = 0.05
-"""Miss in dB that `Scheme.at_snr` accepts where the distortion jumps with the strength."""
+"""What it accepts where the distortion jumps with the strength, in dB."""
 
 _STEPS = 40
+_XTOL = 1e-6  # of ln strength: a narrower bracket holds a jump
 _NEPERS = math.log(10) / 20  # ln strength a decibel, where moves are proportional to the strength
 
 
@@ -114,13 +118,20 @@ class Scheme(Component, ABC):
                 break
             bracket[miss > 0] = value
             if len(bracket) == 2 and abs(miss) > abs(last) / 2:
-                value = brentq(lambda x: self._miss(mesh, seed, decibels, x), bracket[True], bracket[False])
+                value = self._bracketed(mesh, seed, decibels, bracket)
                 if abs(self._miss(mesh, seed, decibels, value)) <= SNR_JUMP:
                     return self._of_strength(value)
                 break
             proposed = value + miss * _NEPERS  # exact where moves are proportional
             value, last = proposed if proposed < limit else (value + limit) / 2, miss
         raise Wm3dError(f"{mesh.name}: {self.label()} cannot be set to an SNR of {decibels:g} dB.")
+
+    def _bracketed(self, mesh: Mesh, seed: int, decibels: float, bracket: dict[bool, float]) -> float:
+        def miss(log_strength: float) -> float:
+            value = self._miss(mesh, seed, decibels, log_strength)
+            return value if abs(value) > SNR_BRACKETED else 0.0  # near enough to stop
+
+        return float(brentq(miss, bracket[True], bracket[False], xtol=_XTOL))
 
     def _of_strength(self, log_strength: float) -> Self:
         return self.model_copy(update={self.strength: math.exp(log_strength)})
