@@ -41,11 +41,14 @@ class Attack(Component, ABC):
         True where the attack rotates the whole model, so axes can be compared only after turning it back.
     marks : bool
         True where the attack needs marks of other keys, so it works only as `given` an owner.
+    neutral : dict, optional
+        Parameters that, with the defaults of the others, make it no attack; None where none do.
     """
 
     random: ClassVar[bool] = True
     turns: ClassVar[bool] = False
     marks: ClassVar[bool] = False
+    neutral: ClassVar[dict[str, float] | None] = None
 
     @abstractmethod
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
@@ -67,6 +70,7 @@ class Clean(Attack):
 
     name: Literal["clean"] = "clean"
     random: ClassVar[bool] = False
+    neutral: ClassVar[dict[str, float]] = {}
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (one signature)
         """Return the mesh itself."""

@@ -1,7 +1,7 @@
 """Chains: several attacks, one after the other."""
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import ConfigDict
@@ -25,6 +25,7 @@ class Chain(Attack):
     model_config = ConfigDict(defer_build=True)
 
     name: Literal["chain"] = "chain"
+    neutral: ClassVar[dict[str, float]] = {}
 
     then: tuple[Annotated[Attack, OneOf(LINKS)], ...] = ()
 

@@ -23,6 +23,7 @@ class Crop(Attack):
 
     name: Literal["crop"] = "crop"
     legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
 
     percent: Annotated[float, Field(ge=0, lt=100)] = 10.0
 
@@ -51,6 +52,7 @@ class HalfSpaceCrop(Attack):
 
     name: Literal["half-space-crop"] = "half-space-crop"
     legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
 
     percent: Annotated[float, Field(ge=0, lt=100)] = 10.0
 

@@ -57,6 +57,7 @@ class Stretch(Deformation):
 
     name: Literal["stretch"] = "stretch"
     legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
 
     percent: Annotated[float, Field(gt=-100)] = 10.0
 
@@ -75,6 +76,7 @@ class Shear(Deformation):
 
     name: Literal["shear"] = "shear"
     legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
 
     percent: float = 10.0
 
@@ -92,6 +94,7 @@ class _EndsTurned(Deformation):
     """
 
     legend: ClassVar[tuple[str, ...]] = ("degrees",)
+    neutral: ClassVar[dict[str, float]] = {"degrees": 0}
 
     degrees: float = 10.0
 

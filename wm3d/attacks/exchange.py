@@ -29,6 +29,7 @@ class RoundTrip(Attack):
     name: Literal["roundtrip"] = "roundtrip"
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("format",)
+    neutral: ClassVar[dict[str, float]] = {}
 
     format: Literal["ply", "obj", "stl", "off", "glb"] = "ply"
     weld: bool = False
@@ -58,6 +59,7 @@ class Weld(Attack):
     name: Literal["weld"] = "weld"
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {}
 
     percent: Annotated[float, Field(ge=0, le=1)] = 0.0
 

@@ -35,6 +35,7 @@ class Collusion(MarkingAttack):
 
     name: Literal["collusion"] = "collusion"
     legend: ClassVar[tuple[str, ...]] = ("copies",)
+    neutral: ClassVar[dict[str, float]] = {"copies": 1}
 
     copies: Annotated[int, Field(ge=1)] = 2
 
@@ -58,6 +59,7 @@ class Remark(MarkingAttack):
 
     name: Literal["remark"] = "remark"
     legend: ClassVar[tuple[str, ...]] = ("times",)
+    neutral: ClassVar[dict[str, float]] = {"times": 0}
 
     times: Annotated[int, Field(ge=0)] = 1
 

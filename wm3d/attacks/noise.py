@@ -38,6 +38,7 @@ class GaussianNoise(Noise):
 
     name: Literal["gaussian-noise"] = "gaussian-noise"
     legend: ClassVar[tuple[str, ...]] = ("percent", "amplitude")
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
 
     percent: Annotated[float, Field(ge=0)] = 0.6
     amplitude: Literal["rms-vector", "per-axis"] = "rms-vector"
@@ -63,6 +64,7 @@ class UniformNoise(Noise):
 
     name: Literal["uniform-noise"] = "uniform-noise"
     legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
 
     percent: Annotated[float, Field(ge=0)] = 0.5
 

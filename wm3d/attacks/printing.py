@@ -40,6 +40,12 @@ class PrintScan(Attack):
     name: Literal["print-scan"] = "print-scan"
     turns: ClassVar[bool] = True
     legend: ClassVar[tuple[str, ...]] = ("layer_percent", "noise_percent")
+    neutral: ClassVar[dict[str, float]] = {
+        "layer_percent": 0,
+        "smoothing": 0,
+        "noise_percent": 0,
+        "tilt_degrees": 0,
+    }
 
     layer_percent: Annotated[float, Field(ge=0)] = 0.2
     axis: Axis = "z"

@@ -28,6 +28,7 @@ class Simplify(Attack):
     name: Literal["simplify"] = "simplify"
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("ratio", "simplifier")
+    neutral: ClassVar[dict[str, float]] = {"ratio": 1}
 
     ratio: Annotated[float, Field(gt=0, le=1)] = 0.5
     simplifier: Literal["fast-simplification", "pymeshlab-quadric", "clustering"] = "fast-simplification"

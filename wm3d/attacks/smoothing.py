@@ -26,6 +26,7 @@ class LaplacianSmoothing(Attack):
     name: Literal["laplacian-smoothing"] = "laplacian-smoothing"
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("iterations",)
+    neutral: ClassVar[dict[str, float]] = {"iterations": 0}
 
     iterations: Annotated[int, Field(ge=0)] = 50
     weight: Annotated[float, Field(ge=0, le=1)] = 0.1
@@ -49,6 +50,7 @@ class TaubinSmoothing(Attack):
     name: Literal["taubin-smoothing"] = "taubin-smoothing"
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("iterations",)
+    neutral: ClassVar[dict[str, float]] = {"iterations": 0}
 
     iterations: Annotated[int, Field(ge=0)] = 10
     weight: Annotated[float, Field(ge=0, le=1)] = 0.5

@@ -13,6 +13,7 @@ from wm3d.cli.experiments import report, run
 from wm3d.cli.listing import data, list_components
 from wm3d.cli.marks import detect, embed
 from wm3d.cli.meshes import attack, scan
+from wm3d.cli.plugins import check_plugin
 from wm3d.errors import Wm3dError
 
 BAD_INPUT = 2
@@ -23,9 +24,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Exit status: 0 done; 1 `detect` found no mark, or trials of `run` failed; 2 bad input.",
+    epilog="Exit status: 0 done; 1 `detect` found no mark, or trials of `run` or checks of `check-plugin` "
+    "failed; 2 bad input.",
 )
-for command in (run, report, embed, detect, attack, scan, compare):
+for command in (run, report, embed, detect, attack, scan, compare, check_plugin):
     app.command()(command)
 app.command("list")(list_components)
 app.add_typer(data, name="data")
