@@ -3,6 +3,7 @@
 from wm3d.registry import Registry
 from wm3d.schemes.base import Scheme
 from wm3d.schemes.cho2007 import Cho2007Mean, Cho2007Variance
+from wm3d.schemes.ohbuchi2002 import Ohbuchi2002
 from wm3d.schemes.radial_area import RadialArea
 from wm3d.schemes.range_mark import RangeMark
 from wm3d.schemes.song2002 import Song2002
@@ -17,4 +18,5 @@ SCHEMES: Registry[Scheme] = Registry(
     Cho2007Variance,
     RadialArea,
     VertexSs,
+    Ohbuchi2002,
 )
