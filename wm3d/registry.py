@@ -29,8 +29,8 @@ class Registry(Mapping[str, type[T]], Generic[T]):
 
     Notes
     -----
-    A package adds its own by the entry point group ``wm3d.attacks`` or ``wm3d.schemes`` (the kind and an s);
-    entry points are read when the registry is first used.
+    A package adds its own by the entry point group ``wm3d.attacks``, ``wm3d.schemes`` or ``wm3d.imagemarks``
+    (the kind and an s); entry points are read when the registry is first used.
     """
 
     def __init__(self, kind: str, base: type[T], *builtin: type[T]) -> None:
