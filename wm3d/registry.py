@@ -116,6 +116,8 @@ def describe(error: ValidationError, cls: type[Component]) -> str:
 
 def _describe_one(fault: Any, cls: type[Component]) -> str:
     path = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden" and len(fault["loc"]) > 1:  # of a component inside this one
+        return f"unknown parameter {path!r}"
     if fault["type"] == "extra_forbidden":
         near = difflib.get_close_matches(path, cls.model_fields, n=1)
         known = ", ".join(field for field in cls.model_fields if field != "name") or "none"

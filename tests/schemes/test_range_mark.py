@@ -1,5 +1,8 @@
 """The paper's way to the mesh and back with any 2-D mark."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from scipy.stats import kstest
@@ -76,6 +79,27 @@ def test_key_comes_back_from_its_file(scheme, tmp_path):
     assert Key.load(tmp_path / "key.json") == Key(scheme, 5)
 
 
+def test_installed_packages_add_marks(tmp_path):
+    # the package imports schemes too, which import the registry that is about to read it
+    (tmp_path / "foreign.py").write_text(
+        "from typing import Literal\n"
+        "import wm3d.schemes\n"
+        "from wm3d.imagemarks import Cox\n"
+        "class Foreign(Cox):\n"
+        "    name: Literal['foreign'] = 'foreign'\n"
+    )
+    info = tmp_path / "foreign-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: foreign\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[wm3d.imagemarks]\nforeign = foreign:Foreign\n")
+    code = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from wm3d.schemes import SCHEMES; "
+        "print(SCHEMES.build('range-mark', {'mark': {'name': 'foreign', 'count': 9}}).capacity)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout == "9\n", done.stderr
+
+
 def test_identity_holds_the_version_of_the_mark_and_the_engine_behind_it():
     scheme = RangeMark(mark=DwtAdditive())
     assert scheme.identity()["mark"]["version"] == DwtAdditive.version
@@ -89,6 +113,7 @@ def test_identity_holds_the_version_of_the_mark_and_the_engine_behind_it():
     [
         ({"mark": {"name": "coxx"}}, "scheme range-mark: mark has the unknown name 'coxx'"),
         ({"mark": {"name": "cox", "count": -1}}, "mark.cox.count = -1: "),
+        ({"mark": {"name": "cox", "cuont": 1}}, "unknown parameter 'mark.cox.cuont'."),
         (
             {"alpha": 1e30, "mark": {"name": "cox", "alpha": 1e30}},
             "alpha times the alpha of the mark must not",
