@@ -13,6 +13,7 @@ from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 from wm3d.metrics import hausdorff, hausdorff_error, mrms, normal_deviation
 from wm3d.metrics.surface import Surface, both_ways, distances, kernels
+from wm3d.metrics.surface.tree import kernels as tree
 
 SHEET = ([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
 
@@ -61,6 +62,32 @@ def test_nearest_point_agrees_with_brute_force() -> None:
     np.testing.assert_allclose(np.linalg.norm(points - nearest, axis=1), found.distance, rtol=1e-9)
     assert found.weights.min() >= 0
     np.testing.assert_allclose(found.weights.sum(axis=1), 1)
+
+
+def test_rectangles_hold_their_triangles_and_touch_them_over_their_faces() -> None:
+    rng = np.random.default_rng(4)
+    triangles = rng.normal(size=(60, 3, 3))
+    triangles[0] = triangles[0, 0]  # a point
+    triangles[1, 2] = 0.3 * triangles[1, 0] + 0.7 * triangles[1, 1]  # a line
+    frames = tree.frames(triangles)
+    for t, triangle in enumerate(triangles):
+        for p in rng.normal(size=(20, 3)):
+            bound = math.sqrt(tree.rectangle_distance(tuple(p), frames, t))
+            assert bound <= triangle_distance(p, triangle) * (1 + 1e-12)
+        normal = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
+        above = triangle.mean(axis=0) + normal
+        exact = math.sqrt(tree.rectangle_distance(tuple(above), frames, t))
+        assert exact == pytest.approx(np.linalg.norm(normal), abs=1e-12)
+
+
+def test_numbers_do_not_depend_on_the_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    original, other = icosphere(3), icosphere(2, 1.1)
+    found = []
+    for threads in (1, 2):
+        monkeypatch.setattr(distances.config, "NUMBA_NUM_THREADS", threads)
+        both_ways.cache_clear()
+        found.append(both_ways(original, other))
+    assert found[0] == found[1]
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 8, 100])

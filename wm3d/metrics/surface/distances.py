@@ -6,10 +6,12 @@ than `SPACING`. The three points, half-way from the centroid to the corners, int
 """
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numba import config
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
@@ -101,10 +103,15 @@ def normal_deviation(original: Mesh, other: Mesh) -> float:
 # the metrics of one pair are asked for one after the other, and share nearly all of their work
 @lru_cache(maxsize=1)
 def both_ways(original: Mesh, other: Mesh) -> tuple[OneWay, OneWay]:
-    """Measure from the original to the other surface, and back."""
+    """Measure from the original to the other surface and back, at a time where numba may use two threads.
+
+    The numbers do not depend on that.
+    """
     origin, unit = original.vertices.mean(axis=0), original.diagonal
-    a, b = (Surface((mesh.vertices - origin) / unit, mesh.faces) for mesh in (original, other))
-    return _one_way(a, b, unit), _one_way(b, a, unit)
+    with ThreadPoolExecutor(min(2, config.NUMBA_NUM_THREADS)) as pool:
+        a, b = pool.map(lambda mesh: Surface((mesh.vertices - origin) / unit, mesh.faces), (original, other))
+        there, back = pool.map(_one_way, (a, b), (b, a), (unit, unit))
+    return there, back
 
 
 def _check_area(*meshes: Mesh) -> None:

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from wm3d.arrays import FloatArray, IntArray
-from wm3d.metrics.surface import kernels
+from wm3d.metrics.surface.tree import kernels
 
-LEAF = 2
+LEAF = 8
 """Most triangles in a leaf of the tree."""
 
 
@@ -45,14 +45,14 @@ class Surface:
         corners = vertices[faces]
         order = tree_order(corners.mean(axis=1))
         self.faces, self.corners = faces[order], corners[order]
-        self._boxes = boxes(self.corners)
+        self._boxes, self._frames = boxes(self.corners), kernels.frames(self.corners)
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         self.normals = np.cross(b - a, c - a)
         self.points = vertices[_by_first_use(self.faces, len(vertices))]
 
     def nearest(self, points: FloatArray) -> Nearest:
         """Return the nearest points to (k, 3) points; fast where points follow their neighbours."""
-        square, face, weights = kernels.nearest(points, self.corners, self._boxes)
+        square, face, weights = kernels.nearest(points, self.corners, self._frames, self._boxes)
         return Nearest(np.sqrt(square), face, self.faces[face], weights)
 
 

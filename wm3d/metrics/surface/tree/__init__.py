@@ -1,0 +1,1 @@
+"""The tree of boxes in which nearest points are searched."""
