@@ -8,6 +8,7 @@ from wm3d.schemes.radial_area import RadialArea
 from wm3d.schemes.range_mark import RangeMark
 from wm3d.schemes.song2002 import Song2002
 from wm3d.schemes.vertex_ss import VertexSs
+from wm3d.schemes.wang2011 import Wang2011
 
 SCHEMES: Registry[Scheme] = Registry(
     "scheme",
@@ -18,5 +19,6 @@ SCHEMES: Registry[Scheme] = Registry(
     Cho2007Variance,
     RadialArea,
     VertexSs,
+    Wang2011,
     Ohbuchi2002,
 )
