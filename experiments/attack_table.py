@@ -2,7 +2,8 @@
 
 Usage: WM3D_DATA=FOLDER python experiments/attack_table.py [MESH ...]
 
-Writes results/attacks/timing.csv; with names of meshes, only their rows are made anew. Attacks that need
+Writes results/attacks/timing.csv; with names of meshes, only their rows are made anew. Every row is kept in
+timing.partial.csv as soon as it is there: the same command goes on where a run was ended. Attacks that need
 other marks of a scheme get noise in their place: the time of a scheme is no part of the attack.
 """
 
@@ -19,7 +20,9 @@ from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, load_mesh, write_whole
 
 OUT = Path(__file__).parents[1] / "results" / "attacks" / "timing.csv"
+PARTIAL = OUT.with_suffix(".partial.csv")
 SEED = 2002
+COLUMNS = ["mesh", "faces_in", "attack", "cpu_seconds", "vertices_out", "faces_out", "refusal"]
 VARIANTS: list[Attack] = [
     *(cls() for cls in ATTACKS.values()),
     MarchingCubes(cells=256),
@@ -59,21 +62,32 @@ def main() -> None:
     folder = os.environ.get("WM3D_DATA")
     if not folder:
         sys.exit("set WM3D_DATA to a folder of PLY meshes")
-    row(load_mesh(min(Path(folder).glob("*.ply"), key=lambda file: file.stat().st_size)), GaussianNoise())
-    wanted, rows = sys.argv[1:], []
-    for file in sorted(Path(folder).glob("*.ply")):
+    OUT.parent.mkdir(parents=True, exist_ok=True)
+    wanted, files = sys.argv[1:], sorted(Path(folder).glob("*.ply"))
+    row(load_mesh(min(files, key=lambda file: file.stat().st_size)), GaussianNoise())  # compiles
+    done = stored(PARTIAL)
+    if len(done):
+        print(f"{PARTIAL}: {len(done)} rows are there already; delete it to begin anew.")
+    for file in files:
         if wanted and file.stem not in wanted:
             continue
         mesh = load_mesh(file)
         for attack in VARIANTS:
-            rows.append(row(mesh, attack))
-            print(*rows[-1].values(), sep="  ", flush=True)
-    OUT.parent.mkdir(parents=True, exist_ok=True)
-    table = pd.DataFrame(rows)
-    if OUT.exists():
-        before = pd.read_csv(OUT, keep_default_na=False)
-        table = pd.concat([before[~before["mesh"].isin(table["mesh"])], table])
+            if ((done["mesh"] == mesh.name) & (done["attack"] == attack.label())).any():
+                continue
+            made = row(mesh, attack)
+            print(*made.values(), sep="  ", flush=True)
+            done = pd.concat([done, pd.DataFrame([made])])
+            write_whole(PARTIAL, done.to_csv(index=False).encode())
+    before = stored(OUT)
+    table = pd.concat([before[~before["mesh"].isin(done["mesh"])], done])
     write_whole(OUT, table.sort_values("mesh", kind="stable").to_csv(index=False).encode())
+    PARTIAL.unlink(missing_ok=True)
+
+
+def stored(path: Path) -> pd.DataFrame:
+    """Rows of a table, none where there is no file."""
+    return pd.read_csv(path, keep_default_na=False) if path.exists() else pd.DataFrame(columns=COLUMNS)
 
 
 if __name__ == "__main__":
