@@ -15,10 +15,12 @@ from wm3d.mesh.moments import (
     volume_moments,
 )
 from wm3d.mesh.normals import vertex_normals
+from wm3d.mesh.solid import SolidMoments, solid_moments
 
 __all__ = [
     "ENDINGS",
     "Mesh",
+    "SolidMoments",
     "VertexMoments",
     "VolumeMoments",
     "check_target",
@@ -30,6 +32,7 @@ __all__ = [
     "orientation",
     "save_mesh",
     "signed_volume",
+    "solid_moments",
     "surface_area",
     "vertex_moments",
     "vertex_normals",

@@ -108,6 +108,82 @@ def volume_integrals(
 
 
 @njit(cache=True)
+def umbrella_step(vertices: FloatArray, faces: IntArray, weight: float) -> FloatArray:
+    """Move every vertex by `weight` of the way to the mean of its neighbours, all at once: (n, 3).
+
+    Neighbours count once for each face they share, so twice inside a closed surface.
+    """
+    total, count = np.zeros_like(vertices), np.zeros(vertices.shape[0])
+    for f in range(faces.shape[0]):
+        i, j, k = np.uintp(faces[f, 0]), np.uintp(faces[f, 1]), np.uintp(faces[f, 2])
+        for t in range(3):
+            x, y, z = vertices[i, t], vertices[j, t], vertices[k, t]
+            total[i, t] += y + z
+            total[j, t] += z + x
+            total[k, t] += x + y
+        count[i] += 2.0
+        count[j] += 2.0
+        count[k] += 2.0
+    moved = vertices.copy()
+    for n in range(vertices.shape[0]):
+        if count[n] > 0.0:
+            for t in range(3):
+                moved[n, t] += weight * (total[n, t] / count[n] - vertices[n, t])
+    return moved
+
+
+_WIDE, _NARROW = 0.445948490915965, 0.091576213509771
+_DUNAVANT = np.array(
+    [
+        [1 - 2 * _WIDE, _WIDE, _WIDE, 0.223381589678011],
+        [_WIDE, 1 - 2 * _WIDE, _WIDE, 0.223381589678011],
+        [_WIDE, _WIDE, 1 - 2 * _WIDE, 0.223381589678011],
+        [1 - 2 * _NARROW, _NARROW, _NARROW, 0.109951743655322],
+        [_NARROW, 1 - 2 * _NARROW, _NARROW, 0.109951743655322],
+        [_NARROW, _NARROW, 1 - 2 * _NARROW, 0.109951743655322],
+    ]
+)
+"""Barycentric points and weights that integrate polynomials of degree 4 exactly (Dunavant 1985)."""
+
+
+@njit(cache=True)
+def cone_integrals(vertices: FloatArray, faces: IntArray, apex: FloatArray) -> FloatArray:
+    """Integrals of xⁱ yʲ zᵏ over the signed tetrahedra (apex, a, b, c), relative to apex: (5, 5, 5).
+
+    Entries with i + j + k > 4 are zero. For f of degree p, ∫ f = det[a b c] / (2 (p + 3)) times the mean of f
+    over the face, which six points give exactly.
+    """
+    total = np.zeros((5, 5, 5))
+    for f in range(faces.shape[0]):
+        a = _relative(vertices, faces[f, 0], apex)
+        b = _relative(vertices, faces[f, 1], apex)
+        c = _relative(vertices, faces[f, 2], apex)
+        d = _determinant(a, b, c)
+        for q in range(6):
+            p, r, s, weight = _DUNAVANT[q]
+            x, y, z = (
+                p * a[0] + r * b[0] + s * c[0],
+                p * a[1] + r * b[1] + s * c[1],
+                p * a[2] + r * b[2] + s * c[2],
+            )
+            xi = d * weight
+            for i in range(5):
+                yj = xi
+                for j in range(5 - i):
+                    zk = yj
+                    for k in range(5 - i - j):
+                        total[i, j, k] += zk
+                        zk *= z
+                    yj *= y
+                xi *= x
+    for i in range(5):
+        for j in range(5):
+            for k in range(5):
+                total[i, j, k] /= 2.0 * (i + j + k + 3)
+    return total
+
+
+@njit(cache=True)
 def _relative(vertices: FloatArray, index: int, origin: FloatArray) -> Vector:
     i = np.uintp(index)  # unsigned: numba then omits the test for negative indices, which Mesh has done
     return vertices[i, 0] - origin[0], vertices[i, 1] - origin[1], vertices[i, 2] - origin[2]

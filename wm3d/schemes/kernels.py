@@ -54,15 +54,7 @@ def radial_moves(
         facing = 1.0 if normals[i, 0] * across + normals[i, 1] * depth >= 0.0 else -1.0
         u = (posed[i, 0] - hmin) / height * rows - 0.5
         v = math.atan2(facing * across, facing * depth) / (2.0 * math.pi) * columns
-        u0, v0 = math.floor(u), math.floor(v)
-        # f(x) + f(x−1) = 1 (eq. 10): of the 3×3 terms of eq. 12 only the four around (u, v) are not zero
-        fu, fv = 0.5 + 0.5 * math.cos(math.pi * (u - u0)), 0.5 + 0.5 * math.cos(math.pi * (v - v0))
-        left, right = v0 % columns, (v0 + 1) % columns
-        total = 0.0
-        if 0 <= u0 < rows:
-            total += fu * (fv * change[u0, left] + (1.0 - fv) * change[u0, right])
-        if 0 <= u0 + 1 < rows:
-            total += (1.0 - fu) * (fv * change[u0 + 1, left] + (1.0 - fv) * change[u0 + 1, right])
+        total = _interpolated(change, u, v)
         distance = math.hypot(across, depth)
         if distance > 0.0:
             moves[i, 0] = -total * facing * across / distance
@@ -70,3 +62,33 @@ def radial_moves(
         else:  # on the axis: the angle is taken as 0, along s3
             moves[i, 0], moves[i, 1] = 0.0, -total
     return moves
+
+
+@njit(cache=True, error_model="numpy")
+def image_at(posed: FloatArray, image: FloatArray, hmin: float, height: float) -> FloatArray:
+    """Return an image (N_u, N_v) at the height and angle of each of (n, 3) vertices: (n,)."""
+    rows, columns = image.shape
+    values = np.empty(len(posed))
+    for i in range(len(posed)):
+        u = (posed[i, 0] - hmin) / height * rows - 0.5
+        v = math.atan2(posed[i, 1], posed[i, 2]) / (2.0 * math.pi) * columns
+        values[i] = _interpolated(image, u, v)
+    return values
+
+
+@njit(cache=True, error_model="numpy")
+def _interpolated(image: FloatArray, u: float, v: float) -> float:
+    """Weigh the cells around (u, v) by eqs. 10 and 11; zero beyond the first and last row.
+
+    f(x) + f(x−1) = 1: of the 3×3 terms of eq. 12 only the four around (u, v) are not zero.
+    """
+    rows, columns = image.shape
+    u0, v0 = math.floor(u), math.floor(v)
+    fu, fv = 0.5 + 0.5 * math.cos(math.pi * (u - u0)), 0.5 + 0.5 * math.cos(math.pi * (v - v0))
+    left, right = v0 % columns, (v0 + 1) % columns
+    total = 0.0
+    if 0 <= u0 < rows:
+        total += fu * (fv * image[u0, left] + (1.0 - fv) * image[u0, right])
+    if 0 <= u0 + 1 < rows:
+        total += (1.0 - fu) * (fv * image[u0 + 1, left] + (1.0 - fv) * image[u0 + 1, right])
+    return total

@@ -20,7 +20,7 @@ def move_vertices(mesh: Mesh, posed: FloatArray, cylinder: Cylinder, change: Flo
     change : (N_u, N_v) ndarray
         Δl = l̃ − l (eq. 8), in mesh units; a positive change moves the surface towards the axis.
     """
-    normals = _pooled(posed, kernels.radial_normals(posed, mesh.faces, orientation(mesh)))
+    normals = pooled(posed, kernels.radial_normals(posed, mesh.faces, orientation(mesh)))
     moves = kernels.radial_moves(posed, normals, change, cylinder.hmin, cylinder.height)
     return mesh.with_vertices(mesh.vertices + _to_world(moves, cylinder))
 
@@ -50,8 +50,13 @@ def _weight(x: FloatArray) -> FloatArray:
     return np.where(np.abs(x) < 1, 0.5 * (1 + np.cos(np.pi * x)), 0.0)
 
 
-def _pooled(posed: FloatArray, normals: FloatArray) -> FloatArray:
-    """Give vertices in one place one normal, so that seams and unwelded (STL) faces move together.
+def pooled(posed: FloatArray, normals: FloatArray) -> FloatArray:
+    """Give vertices in one place one normal, the sum of theirs, so that seams and STL faces move together.
+
+    Parameters
+    ----------
+    posed : (n, 3) ndarray
+    normals : (n, k) ndarray
 
     Equal coordinates have equal dot products with any direction, and others differ for one chosen at random.
     """
@@ -59,7 +64,7 @@ def _pooled(posed: FloatArray, normals: FloatArray) -> FloatArray:
     places, place = np.unique(along, return_inverse=True)
     if len(places) == len(posed):
         return normals
-    total = [np.bincount(place, normals[:, k])[place] for k in range(2)]
+    total = [np.bincount(place, normals[:, k])[place] for k in range(normals.shape[1])]
     return np.column_stack(total)
 
 

@@ -1,0 +1,161 @@
+"""Moments up to order four of the solid that a surface bounds, as symmetric tensors."""
+
+import itertools
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wm3d.arrays import FloatArray, IntArray
+from wm3d.errors import Wm3dError
+from wm3d.mesh import kernels
+from wm3d.mesh.mesh import Mesh
+
+ORDERS = (2, 3, 4)
+ENTRIES = 31
+"""Different entries of the symmetric tensors of these orders: 6 + 10 + 15."""
+
+LEAST_VOLUME = 1e-12
+"""Least volume, relative to the cube of the bounding box's diagonal, that counts as a solid."""
+
+
+class SolidMoments(NamedTuple):
+    """Moments of a solid of unit density about its centroid, divided by its volume.
+
+    Attributes
+    ----------
+    centroid : (3,) ndarray
+        In the unit of the mesh.
+    second, third, fourth : (3, 3), (3, 3, 3), (3, 3, 3, 3) ndarray
+        Means of x xᵀ, x ⊗ x ⊗ x and x ⊗ x ⊗ x ⊗ x over the solid, x relative to the centroid.
+    """
+
+    centroid: FloatArray
+    second: FloatArray
+    third: FloatArray
+    fourth: FloatArray
+
+    def mapped(self, matrix: FloatArray) -> "SolidMoments":
+        """Return the moments of the solid under x ↦ matrix x, with the centroid as origin: it maps to 0."""
+        tensors = (self.second, self.third, self.fourth)
+        return SolidMoments(np.zeros(3), *(_mapped(tensor, matrix) for tensor in tensors))
+
+    def entries(self) -> FloatArray:
+        """Return the 6 + 10 + 15 different entries of the tensors: (31,)."""
+        tensors = (self.second, self.third, self.fourth)
+        return np.concatenate([t[_rising(k)] for k, t in zip(ORDERS, tensors, strict=True)])
+
+    @classmethod
+    def of_entries(cls, entries: ArrayLike) -> "SolidMoments":
+        """Return the moments with these `entries`, and the centroid as origin."""
+        parts = np.split(
+            np.asarray(entries, dtype=float), np.cumsum([len(_rising(k)[0]) for k in ORDERS])[:-1]
+        )
+        tensors = [np.empty((3,) * k) for k in ORDERS]
+        for order, tensor, values in zip(ORDERS, tensors, parts, strict=True):
+            for axes in itertools.permutations(range(order)):
+                tensor[tuple(_rising(order)[axis] for axis in axes)] = values
+        return cls(np.zeros(3), *tensors)
+
+    def components(self) -> FloatArray:
+        """Return `entries`, weighted so that their norm is that of the tensors: (31,)."""
+        weights = np.concatenate([np.sqrt(_multiplicity(order)) for order in ORDERS])
+        components: FloatArray = weights * self.entries()
+        return components
+
+    def components_of(self, matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return ``mapped(matrix).components()`` and its derivatives by the nine entries of the matrix.
+
+        Returns
+        -------
+        components : (31,) ndarray
+        derivatives : (31, 9) ndarray
+        """
+        values, derivatives = [], []
+        for order, tensor in zip(ORDERS, (self.second, self.third, self.fourth), strict=True):
+            half = tensor  # mapped in all indices but the first
+            for _ in range(order - 1):
+                half = np.tensordot(half, matrix, axes=(1, 1))
+            index, weight = _rising(order), np.sqrt(_multiplicity(order))
+            values.append(weight * np.tensordot(matrix, half, axes=(1, 0))[index])
+            # d/dM_ij of M_aj' half_j'bc...: half_jbc... wherever one of the indices is i
+            slopes = np.zeros((len(weight), 3, 3))
+            for slot in range(order):
+                rest = [index[other] for other in range(order) if other != slot]
+                slopes[np.arange(len(weight)), index[slot]] += np.moveaxis(half, 0, -1)[tuple(rest)]
+            derivatives.append(weight[:, None] * slopes.reshape(-1, 9))
+        return np.concatenate(values), np.concatenate(derivatives)
+
+
+def solid_moments(mesh: Mesh) -> SolidMoments:
+    """Return the moments of the solid that the faces enclose.
+
+    The integrals run over signed tetrahedra from one apex to the faces. Holes are closed by cones from the
+    apex, the vertex mean at first and then the centroid that came of it, so the moments of an open mesh
+    hardly depend on where its vertices lie densely. The winding does not matter.
+
+    Raises
+    ------
+    Wm3dError
+        If the faces enclose no volume, as those of a flat sheet.
+    """
+    apex = kernels.vertex_mean(mesh.vertices)
+    for _ in range(2):
+        integrals = kernels.cone_integrals(mesh.vertices, mesh.faces, apex)
+        if abs(integrals[0, 0, 0]) <= LEAST_VOLUME * mesh.diagonal**3:
+            raise Wm3dError(f"{mesh.name}: its faces enclose no volume, which the moments of a solid need.")
+        volume, shift = integrals[0, 0, 0], _tensor(integrals, 1) / integrals[0, 0, 0]
+        apex = apex + shift
+    second, third, fourth = (_tensor(integrals, order) / volume for order in ORDERS)
+    return SolidMoments(apex, *_centred(shift, second, third, fourth))
+
+
+def _centred(
+    d: FloatArray, second: FloatArray, third: FloatArray, fourth: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Move moments from the apex to the centroid, which lies at d from it; zero but for open meshes."""
+    dd = np.multiply.outer(d, d)
+    central2 = second - dd
+    central3 = third - _symmetrized(np.multiply.outer(central2, d), 3) - np.multiply.outer(dd, d)
+    central4 = (
+        fourth
+        - _symmetrized(np.multiply.outer(central3, d), 4)
+        - _symmetrized(np.multiply.outer(central2, dd), 6)
+        - np.multiply.outer(dd, dd)
+    )
+    return central2, central3, central4
+
+
+def _symmetrized(tensor: FloatArray, terms: int) -> FloatArray:
+    """Sum a tensor over the `terms` different ways of dealing out its indices."""
+    orders = list(itertools.permutations(range(tensor.ndim)))
+    mean: FloatArray = np.mean([np.transpose(tensor, order) for order in orders], axis=0)
+    return terms * mean
+
+
+def _mapped(tensor: FloatArray, matrix: FloatArray) -> FloatArray:
+    for _ in range(tensor.ndim):  # each turn maps the first index and makes it the last
+        tensor = np.tensordot(tensor, matrix, axes=(0, 1))
+    return tensor
+
+
+def _tensor(integrals: FloatArray, order: int) -> FloatArray:
+    """Put ∫ xⁱ yʲ zᵏ, i + j + k = order, into a symmetric tensor."""
+    indices = np.indices((3,) * order).reshape(order, -1)
+    i, j, k = ((indices == axis).sum(axis=0) for axis in range(3))
+    return np.asarray(integrals[i, j, k]).reshape((3,) * order)
+
+
+@cache
+def _rising(order: int) -> tuple[IntArray, ...]:
+    """Return the indices of the different entries of a symmetric tensor, as numpy indexes with them."""
+    rising = list(itertools.combinations_with_replacement(range(3), order))
+    return tuple(np.array(column) for column in zip(*rising, strict=True))
+
+
+@cache
+def _multiplicity(order: int) -> FloatArray:
+    """How often each different entry stands in the tensor."""
+    rising = zip(*_rising(order), strict=True)
+    return np.array([len(set(itertools.permutations(index))) for index in rising], dtype=float)

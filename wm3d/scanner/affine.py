@@ -1,0 +1,179 @@
+"""The affine pose: the linear map under which the moments of a solid are those that a key holds."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from wm3d.arrays import FloatArray
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh, SolidMoments, solid_moments
+from wm3d.scanner import kernels
+
+TURNS = 2000
+"""Rotations among which the fit looks for its starts; one of them is within about 15° of any."""
+
+STARTS = 6
+"""How many starts are tried to the end, the best first."""
+
+APART = 30.0
+"""Least angle between two starts, in degrees; about the reach of the fit from one."""
+
+AGREEMENT = 1e-3
+"""Misfit, relative to the moments themselves, at which a fit needs no further start."""
+
+AMBIGUITY = 1e-2
+"""Least misfit of every other way to lay the axes; attacks come near to it."""
+
+ELSEWHERE = 0.05
+"""Least difference of an entry of two maps that lay the axes in another way."""
+
+
+@dataclass(frozen=True, eq=False)
+class AffineFrame:
+    """Where a mesh lies in the frame of a scanner: x ↦ matrix (x − centroid).
+
+    Attributes
+    ----------
+    centroid : (3,) ndarray
+        Of the solid, in mesh units.
+    matrix : (3, 3) ndarray
+        From mesh units to the unit of the frame, in which the solid's second moments add up to 1. Its
+        determinant is negative: the axes s1, s2, s3 of the scanner are left-handed.
+    """
+
+    centroid: FloatArray
+    matrix: FloatArray
+
+    def posed(self, mesh: Mesh) -> FloatArray:
+        """Return the vertices in the frame: (n, 3), with the solid's centroid as origin."""
+        posed: FloatArray = kernels.to_frame(mesh.vertices, self.centroid, self.matrix)
+        return posed
+
+
+def principal_frame(mesh: Mesh) -> AffineFrame:
+    """Return the frame of a solid's own principal axes, the longest first.
+
+    Which way the axes point does not matter to those who keep the moments: `fitted_frame` finds it again.
+
+    Raises
+    ------
+    Wm3dError
+        If the mesh encloses no volume, or another linear map leaves its moments as they are, or nearly, as
+        with a sphere, a box or a figure of two equal halves.
+    """
+    moments = solid_moments(mesh)
+    axes = np.linalg.eigh(moments.second)[1].T[::-1]
+    if np.linalg.det(axes) > 0:
+        axes[2] *= -1
+    matrix = axes / np.sqrt(np.trace(moments.second))
+    reference = moments.mapped(matrix)
+    others = (fit for fit in _fits(moments, reference) if not np.allclose(fit.matrix, matrix, atol=ELSEWHERE))
+    second_best = min((fit.misfit for fit in others), default=math.inf)
+    if second_best < AMBIGUITY:
+        raise Wm3dError(
+            f"{mesh.name}: looks the same, or nearly, from another side (its moments differ by "
+            f"{second_best:.1e} of themselves), so it has no unique axes and cannot carry this watermark."
+        )
+    return AffineFrame(moments.centroid, matrix)
+
+
+def fitted_frame(mesh: Mesh, reference: SolidMoments) -> AffineFrame:
+    """Return the frame in which the moments of a mesh come nearest to given ones, over all linear maps.
+
+    So a stretched or sheared mesh is scanned as it was. By least squares over the nine entries of the matrix.
+
+    Raises
+    ------
+    Wm3dError
+        If the mesh encloses no volume.
+    """
+    moments = solid_moments(mesh)
+    best = None
+    for fit in _fits(moments, reference):
+        if best is None or fit.misfit < best.misfit:
+            best = fit
+        if best.misfit < AGREEMENT:
+            break
+    assert best is not None  # there is a start, whatever the mesh
+    return AffineFrame(moments.centroid, best.matrix)
+
+
+class _Fit(NamedTuple):
+    """A map and how far it leaves the moments from the reference, over the norm of the reference."""
+
+    matrix: FloatArray
+    misfit: float
+
+
+def _fits(moments: SolidMoments, reference: SolidMoments) -> Iterator[_Fit]:
+    """Yield the maps to which least squares lead from each start."""
+    scale = np.sqrt(np.trace(moments.second))  # the search is in units of the solid
+    unit, goal = moments.mapped(np.eye(3) / scale), reference.components()
+
+    def residual(entries: FloatArray) -> FloatArray:
+        return unit.components_of(entries.reshape(3, 3))[0] - goal
+
+    def slopes(entries: FloatArray) -> FloatArray:
+        return unit.components_of(entries.reshape(3, 3))[1]
+
+    for start in _starts(unit, reference):
+        fit = least_squares(residual, start.ravel(), jac=slopes, method="lm")
+        yield _Fit(fit.x.reshape(3, 3) / scale, math.sqrt(2 * fit.cost) / float(np.linalg.norm(goal)))
+
+
+def _starts(moments: SolidMoments, reference: SolidMoments) -> list[FloatArray]:
+    """Return maps under which the second moments agree and the higher ones nearly do, the best first."""
+    whiten, colour = _whitening(moments)[0], _whitening(reference)[1]
+    mirror = -np.sign(np.linalg.det(colour) * np.linalg.det(whiten))  # the frame is left-handed
+    goal = reference.mapped(_whitening(reference)[0])
+    here = moments.mapped(whiten)
+    turns = _turns(TURNS) * [1.0, 1.0, mirror]
+    misfit = sum(
+        ((_turned(tensor, turns) - aim) ** 2).reshape(TURNS, -1).sum(axis=1)
+        for tensor, aim in ((here.third, goal.third), (here.fourth, goal.fourth))
+    )
+    chosen: list[FloatArray] = []
+    for turn in turns[np.argsort(misfit, kind="stable")]:
+        # tr(RᵀS) = 1 + 2 cos of the angle between R and S
+        if all(np.vdot(turn, other) < 1 + 2 * np.cos(np.radians(APART)) for other in chosen):
+            chosen.append(turn)
+            if len(chosen) == STARTS:
+                break
+    return [colour @ turn @ whiten for turn in chosen]
+
+
+def _whitening(moments: SolidMoments) -> tuple[FloatArray, FloatArray]:
+    """Return the symmetric maps that make the second moments a unit matrix, and of a unit matrix them."""
+    values, axes = np.linalg.eigh(moments.second)
+    return (axes / np.sqrt(values)) @ axes.T, (axes * np.sqrt(values)) @ axes.T
+
+
+def _turned(tensor: FloatArray, turns: FloatArray) -> FloatArray:
+    """Map all indices of a tensor by each of (k, 3, 3) matrices: (k, 3, ...)."""
+    count, shape = len(turns), tensor.shape
+    tensors = np.broadcast_to(tensor, (count, *shape))
+    for _ in shape:  # each turn maps the first index and makes it the last
+        mapped = turns @ tensors.reshape(count, 3, -1)
+        tensors = np.moveaxis(mapped.reshape(count, *shape), 1, -1)
+    return tensors
+
+
+@cache
+def _turns(count: int) -> FloatArray:
+    """Return rotations that lie evenly, a super-Fibonacci spiral (Alexa, CVPR 2022): (count, 3, 3)."""
+    s = np.arange(count) + 0.5
+    inner, outer = np.sqrt(s / count), np.sqrt(1 - s / count)
+    alpha, beta = 2 * np.pi * s / np.sqrt(2), 2 * np.pi * s / 1.533751168755204288118041
+    quaternions: list[FloatArray] = [
+        inner * np.sin(alpha),
+        inner * np.cos(alpha),
+        outer * np.sin(beta),
+        outer * np.cos(beta),
+    ]
+    return Rotation.from_quat(np.column_stack(quaternions)).as_matrix()

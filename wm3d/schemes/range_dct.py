@@ -1,0 +1,185 @@
+"""The robust variant of the paper's idea: a block-DCT mark in what an affine-invariant scanner sees."""
+
+import math
+from typing import Annotated, ClassVar, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from wm3d.arrays import FloatArray
+from wm3d.errors import Wm3dError
+from wm3d.imagemarks.blocks import AC, BLOCK, block_dct, inverse_block_dct
+from wm3d.imagemarks.shaped_dct import ShapedDct
+from wm3d.mesh import Mesh, SolidMoments, orientation, solid_moments, vertex_normals
+from wm3d.mesh.solid import ENTRIES
+from wm3d.scanner.affine import AffineFrame, fitted_frame, principal_frame
+from wm3d.scanner.denoise import denoised, relative_area
+from wm3d.scanner.scan import MAX_GRID
+from wm3d.scanner.volume import VolumeImage, volume_image
+from wm3d.schemes import kernels
+from wm3d.schemes.base import Scheme
+from wm3d.schemes.movement import pooled
+from wm3d.stats import RademacherSum, key_signs
+
+AXIS = 0.25
+"""Distance from the axis, over the median, below which moves fade out: cells become thin wedges there."""
+
+GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
+Vector = tuple[float, float, float]
+
+
+class Reference(BaseModel):
+    """What the embedder works out for a mesh and detection needs; part of the key.
+
+    Attributes
+    ----------
+    grid : (N_v, N_u)
+        Columns around and rows along the axis.
+    hmin, height : float
+        Lower end and height of the cylinder, from the solid's centroid, in the unit of the frame.
+    moments : (31,) tuple of float
+        `SolidMoments.entries` of the marked solid in the frame of the scanner.
+    offset : (3,) tuple of float
+        Where the marked solid's centroid lies in that frame.
+    area : float
+        `relative_area` of the marked mesh.
+    strength : float
+        Amplitude of the mark that can be read back, in the unit of the frame.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    grid: tuple[GridSize, GridSize]
+    hmin: float
+    height: Annotated[float, Field(gt=0)]
+    moments: Annotated[tuple[float, ...], Field(min_length=ENTRIES, max_length=ENTRIES)]
+    offset: Vector
+    area: Annotated[float, Field(gt=0)]
+    strength: Annotated[float, Field(gt=0)]
+
+
+class RangeDct(Scheme):
+    """Block-DCT spread spectrum in the volume image, read in the affine frame that a key's moments fix.
+
+    Where it differs from `Song2002`: the pose comes from the moments of the solid, so neither the density of
+    the vertices nor a stretch nor a shear turns it; a cell holds the volume of the solid behind it and not
+    the range of one ray; a surface crumpled by noise is smoothed before; vertices move along their normals;
+    amplitudes and detector follow the activity of each block.
+
+    Attributes
+    ----------
+    alpha : float
+        Root mean square move of the vertices, in percent of their root mean square distance from their mean:
+        SNR = 40 dB − 20 dB lg α.
+    blocks : int
+        8×8 blocks of the image, about; they are laid so that cells are square in the middle.
+    reference : Reference, optional
+        What `embed` finds out of the mesh; detection needs it.
+    """
+
+    name: Literal["range-dct"] = "range-dct"
+    strength: ClassVar[str] = "alpha"
+
+    alpha: Annotated[float, Field(gt=0, le=1e6)] = 0.63
+    blocks: Annotated[int, Field(ge=1, le=10_000)] = 100
+    reference: Reference | None = None
+
+    def label(self) -> str:
+        """Return the legend text, which is that of the config: the reference differs from key to key."""
+        bare = self.model_copy(update={"reference": None})
+        return super(RangeDct, bare).label()
+
+    @property
+    def capacity(self) -> int:
+        """63 signs for each 8×8 block of the grid."""
+        columns, rows = self._known.grid
+        return (rows // BLOCK) * (columns // BLOCK) * AC
+
+    def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
+        """Move the vertices along their normals by the pattern of a key; see `Scheme.embed`."""
+        frame = principal_frame(mesh)
+        layout = _Layout.around(frame.posed(mesh), mesh, self.blocks)
+        host = layout.image(frame.posed(mesh), mesh)
+        mark = ShapedDct.of(host.volumes, host.areas)
+        if not mark.carries.any():
+            raise Wm3dError(f"{mesh.name}: its volume image is flat, so no block can carry a mark.")
+        signs = key_signs(seed, mark.amplitude.size)
+        pattern = inverse_block_dct(mark.pattern(signs), host.volumes.shape)
+        moves = _moves(mesh, frame, layout, pattern)
+        strength = self.alpha / 100 * _rms(mesh.vertices - mesh.vertices.mean(axis=0)) / _rms(moves)
+        marked = mesh.with_vertices(mesh.vertices + strength * moves)
+
+        seen = layout.image(frame.posed(marked), marked)
+        gained = block_dct(seen.volumes - host.volumes)[:, 1:] * signs.reshape(-1, AC)
+        survives = float((gained * mark.response).sum() / (mark.response**2).sum())
+        if survives <= 0:
+            raise Wm3dError(f"{mesh.name}: too coarse to carry a mark of {len(mark.amplitude)} blocks.")
+        found = solid_moments(marked)
+        reference = Reference(
+            grid=layout.grid,
+            hmin=layout.hmin,
+            height=layout.height,
+            moments=tuple(found.mapped(frame.matrix).entries().tolist()),
+            offset=tuple((frame.matrix @ (found.centroid - frame.centroid)).tolist()),
+            area=relative_area(marked),
+            strength=survives,
+        )
+        return marked, self.model_copy(update={"reference": reference})
+
+    def evidence(self, mesh: Mesh) -> RademacherSum:
+        """Smooth away crumples, find the pose, read the volume image; see `Scheme.evidence`."""
+        known = self._known
+        mesh = denoised(mesh, known.area)
+        frame = fitted_frame(mesh, SolidMoments.of_entries(known.moments))
+        layout = _Layout(known.grid, known.hmin, known.height)
+        image = layout.image(frame.posed(mesh) + known.offset, mesh)
+        return ShapedDct.of(image.volumes, image.areas).evidence(known.strength)
+
+    @property
+    def _known(self) -> Reference:
+        if self.reference is None:
+            raise Wm3dError(
+                "a range-dct scheme reads a mesh with the reference that its embedding returned; use that "
+                "scheme, or its key."
+            )
+        return self.reference
+
+
+class _Layout(NamedTuple):
+    """Grid (N_v, N_u), lower end and height of the cylinder, in the unit of the frame."""
+
+    grid: tuple[GridSize, GridSize]
+    hmin: float
+    height: float
+
+    @classmethod
+    def around(cls, posed: FloatArray, mesh: Mesh, blocks: int) -> "_Layout":
+        """Lay about so many blocks around a solid, of cells that are square at its mean distance."""
+        a, b, c = (posed[mesh.faces[:, k]] for k in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        square = sum((corner[:, 1:] ** 2).sum(axis=1) for corner in (a, b, c)) / 3
+        radius = math.sqrt(float(area @ square / area.sum()))
+        hmin, height = float(posed[:, 0].min()), float(np.ptp(posed[:, 0]))
+        up = max(1, round(math.sqrt(blocks * height / (2 * math.pi * radius))))
+        around = max(1, round(blocks / up))
+        return cls((BLOCK * around, BLOCK * up), hmin, height)
+
+    def image(self, posed: FloatArray, mesh: Mesh) -> VolumeImage:
+        return volume_image(posed, mesh.faces, self.grid, self.hmin, self.height, orientation(mesh))
+
+
+def _moves(mesh: Mesh, frame: AffineFrame, layout: _Layout, pattern: FloatArray) -> FloatArray:
+    """Move the vertices along their normals by the pattern (N_u, N_v), less towards the axis: (n, 3)."""
+    posed = frame.posed(mesh)
+    normals = pooled(posed, vertex_normals(mesh))
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals / np.where(length > 0, length, 1.0)
+    distance = np.hypot(posed[:, 1], posed[:, 2])
+    fade = np.minimum(1.0, distance / (AXIS * np.median(distance)))
+    along = kernels.image_at(posed, pattern, layout.hmin, layout.height) * fade
+    moves: FloatArray = normals * along[:, None]
+    return moves
+
+
+def _rms(vectors: FloatArray) -> float:
+    return float(np.sqrt((vectors**2).sum(axis=1).mean()))
