@@ -102,7 +102,7 @@ def nearest(
             if node >= leaves:
                 k = node - leaves
                 for t in range(m * k >> depth, m * (k + 1) >> depth):
-                    if rectangle_distance(p, frames, t) >= best:
+                    if t == last or rectangle_distance(p, frames, t) >= best:
                         continue
                     d, x, y, z = nearest_on_triangle(p, corners, t)
                     if d < best:
