@@ -1,0 +1,133 @@
+"""The affine frame: found again under every linear map, and refused where another one looks the same."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from shapes import blob, box, icosphere, inside_out, rotation, tetrahedron, uv_cylinder
+
+from wm3d.attacks import GaussianNoise, Simplify
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh, SolidMoments, signed_volume, solid_moments
+from wm3d.scanner.affine import AGREEMENT, TURNS, AffineFrame, _turns, fitted_frame, principal_frame
+
+MESH = blob(0, 4)
+FRAME = principal_frame(MESH)
+REFERENCE = solid_moments(MESH).mapped(FRAME.matrix)
+
+
+def linear_map(seed: int) -> np.ndarray:
+    """Random matrix of positive determinant that stretches by 0.3 to 3 along three axes."""
+    stretch = np.diag(np.random.default_rng(seed).uniform(0.3, 3, 3))
+    return rotation(2 * seed) @ stretch @ rotation(2 * seed + 1)
+
+
+def apart(frame: AffineFrame, mesh: Mesh) -> float:
+    """Largest distance, along an axis of the frame, of a vertex from where `MESH` has it in its own."""
+    return np.abs(frame.posed(mesh) - FRAME.posed(MESH)).max()
+
+
+def test_principal_frame_has_the_axes_of_the_solid_and_its_unit():
+    assert np.linalg.det(FRAME.matrix) < 0
+    np.testing.assert_allclose(FRAME.centroid, solid_moments(MESH).centroid)
+    second = REFERENCE.second
+    np.testing.assert_allclose(second, np.diag(np.diag(second)), atol=1e-14)
+    assert second[0, 0] > second[1, 1] > second[2, 2]
+    assert np.trace(second) == pytest.approx(1)
+    unit = np.linalg.norm(FRAME.matrix, axis=1)
+    np.testing.assert_allclose(FRAME.matrix @ FRAME.matrix.T, np.diag(unit**2), atol=1e-13)
+    np.testing.assert_allclose(unit, unit[0])
+
+
+def test_posed_vertices_are_the_map_of_the_mesh():
+    expected = (MESH.vertices - FRAME.centroid) @ FRAME.matrix.T
+    np.testing.assert_allclose(FRAME.posed(MESH), expected, atol=1e-14)
+    posed = Mesh(expected, MESH.faces)
+    assert signed_volume(posed) == pytest.approx(np.linalg.det(FRAME.matrix) * signed_volume(MESH))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_frame_is_exact_under_linear_maps(seed):
+    matrix = linear_map(seed)
+    moved = MESH.with_vertices(MESH.vertices @ matrix.T)
+    frame = fitted_frame(moved, REFERENCE)
+    assert apart(frame, moved) < 1e-9
+    np.testing.assert_allclose(frame.matrix @ matrix, FRAME.matrix, atol=1e-9)
+
+
+@pytest.mark.parametrize("scale", [0.1, 1.0, 10.0])
+def test_frame_is_exact_under_similarities(scale):
+    moved = MESH.with_vertices(scale * MESH.vertices @ rotation(9).T + [50, -70, 20])
+    assert apart(fitted_frame(moved, REFERENCE), moved) < 1e-9
+
+
+def test_winding_does_not_matter():
+    inward = inside_out(MESH)
+    np.testing.assert_allclose(principal_frame(inward).matrix, FRAME.matrix, atol=1e-12)
+    assert apart(fitted_frame(inward, REFERENCE), inward) < 1e-9
+
+
+def test_moments_of_any_other_frame_can_be_the_reference():
+    # nothing in the fit asks that the reference be principal
+    matrix = -linear_map(3)
+    frame = fitted_frame(MESH, solid_moments(MESH).mapped(matrix))
+    np.testing.assert_allclose(frame.matrix, matrix, atol=1e-9)
+
+
+def test_mirror_image_is_not_taken_for_the_mesh():
+    mirrored = MESH.with_vertices(MESH.vertices * [1, 1, -1])
+    frame = fitted_frame(mirrored, REFERENCE)
+    assert np.linalg.det(frame.matrix) < 0
+    there = solid_moments(mirrored).mapped(frame.matrix).components()
+    goal = REFERENCE.components()
+    assert np.linalg.norm(there - goal) > 5 * AGREEMENT * np.linalg.norm(goal)
+
+
+@pytest.mark.parametrize(
+    ("attack", "most"),
+    [(Simplify(ratio=0.3), 0.01), (GaussianNoise(percent=0.6), 0.03)],
+    ids=lambda value: value.label() if not isinstance(value, float) else "",
+)
+def test_frame_hardly_moves_with_what_the_solid_does_not_feel(attack, most):
+    # the mesh is 3.4 units long, so that one of 64 cells along the axis has 0.053
+    frame = fitted_frame(attack(MESH, np.random.default_rng(1)), REFERENCE)
+    assert apart(frame, MESH) < most
+
+
+def test_starts_reach_every_rotation():
+    turns = _turns(TURNS)
+    np.testing.assert_allclose(
+        turns @ turns.swapaxes(1, 2), np.broadcast_to(np.eye(3), turns.shape), atol=1e-14
+    )
+    drawn = Rotation.random(1000, rng=np.random.default_rng(0)).as_matrix()
+    trace = np.einsum("kij,lij->kl", drawn, turns).max(axis=1)
+    assert np.degrees(np.arccos((trace - 1) / 2)).max() < 17
+
+
+def flattened(mesh: Mesh, scale: tuple[float, float, float], name: str) -> Mesh:
+    return Mesh(mesh.vertices * scale @ rotation(4).T + [5, 6, 7], mesh.faces, name=name)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "sentence"),
+    [
+        (box(), "looks the same, or nearly, from another side"),
+        (box((3, 2, 1)), "looks the same, or nearly, from another side"),
+        (icosphere(2), "looks the same, or nearly, from another side"),
+        (uv_cylinder(1, 5, 32, 4), "looks the same, or nearly, from another side"),
+        # a linear map makes each a figure of equal sides
+        (tetrahedron(), "looks the same, or nearly, from another side"),
+        (flattened(icosphere(3), (3, 2, 1), "ellipsoid"), "looks the same, or nearly, from another side"),
+        (flattened(box(), (3, 2, 0), "sheet"), "its faces enclose no volume"),
+        (Mesh([[0, 0, 0], [3, 0, 0], [0, 1, 2]], [[0, 1, 2]], "triangle"), "its faces enclose no volume"),
+    ],
+    ids=lambda value: value.name if isinstance(value, Mesh) else "",
+)
+def test_mesh_without_unique_axes_is_refused_in_one_sentence(mesh, sentence):
+    with pytest.raises(Wm3dError, match=f"^{mesh.name}: {sentence}") as refusal:
+        principal_frame(mesh)
+    assert str(refusal.value).count(". ") == 0
+
+
+def test_mesh_without_a_volume_cannot_be_fitted():
+    with pytest.raises(Wm3dError, match=r"^sheet: its faces enclose no volume"):
+        fitted_frame(flattened(box(), (3, 2, 0), "sheet"), SolidMoments.of_entries(REFERENCE.entries()))
