@@ -1,6 +1,7 @@
 """The verbs of the Python interface: embed and detect."""
 
 import operator
+from collections.abc import Collection
 from typing import Any
 
 from wm3d.errors import Wm3dError
@@ -8,14 +9,22 @@ from wm3d.mesh import Mesh
 from wm3d.schemes import SCHEMES, Key, Scheme
 from wm3d.stats import Score
 
-DEFAULT_SCHEME = "song2002"
+DEFAULT_SCHEME = "range-dct"
+PAPER_SCHEME = "song2002"
+PAPER_PARAMETERS = {"grid", "region", "miss", "normalize"}
+"""Parameters by which a caller who names no scheme asks for the paper's."""
+
+
+def default_scheme(parameters: Collection[str]) -> str:
+    """Return the scheme of a caller who names none: the robust one, or the paper's if a parameter is its."""
+    return DEFAULT_SCHEME if PAPER_PARAMETERS.isdisjoint(parameters) else PAPER_SCHEME
 
 
 def embed(
     mesh: Mesh,
     *,
     seed: int,
-    scheme: str | Scheme = DEFAULT_SCHEME,
+    scheme: str | Scheme | None = None,
     snr: float | None = None,
     **parameters: Any,
 ) -> tuple[Mesh, Key]:
@@ -26,12 +35,12 @@ def embed(
     mesh : Mesh
     seed : int
         The secret; 0 ≤ seed < 2^256.
-    scheme : str or Scheme
-        A scheme, or its name with `parameters`.
+    scheme : str or Scheme, optional
+        A scheme, or its name with `parameters`; `default_scheme` if omitted.
     snr : float, optional
         Wanted signal-to-noise ratio in dB (eq. 13); the strength of the scheme follows from it.
     **parameters
-        Parameters of the scheme, for example ``alpha=0.9, grid=(84, 120)``.
+        Parameters of the scheme, for example ``alpha=0.9``.
 
     Returns
     -------
@@ -52,7 +61,7 @@ def embed(
             )
         chosen = scheme
     else:
-        chosen = SCHEMES.build(scheme, parameters)
+        chosen = SCHEMES.build(scheme or default_scheme(parameters), parameters)
     seed = _checked_seed(seed)
     if snr is not None:
         chosen = chosen.at_snr(mesh, seed, snr)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import wm3d as library
-from wm3d.api import DEFAULT_SCHEME
+from wm3d.api import DEFAULT_SCHEME, PAPER_SCHEME
 from wm3d.scanner.scan import DEFAULT_GRID
 from wm3d.stats import DEFAULT_PF
 
@@ -37,14 +37,14 @@ def test_alone_it_prints_its_help(arguments: tuple[str, ...], wm3d: Run) -> None
 @pytest.mark.parametrize(
     ("command", "default"),
     [
-        ("embed", DEFAULT_SCHEME),
+        ("embed", f"({DEFAULT_SCHEME}; {PAPER_SCHEME} if a grid or a region is given)"),
         ("detect", f"{DEFAULT_PF:g}"),
         ("scan", "{}x{}".format(*DEFAULT_GRID)),
         ("scan", "vertex-pca"),
     ],
 )
 def test_helps_show_the_defaults_of_the_library(command: str, default: str, wm3d: Run) -> None:
-    assert f"[default: {default}]" in wm3d(command, "--help").stdout
+    assert f"[default: {default}]" in " ".join(wm3d(command, "--help").stdout.split())
 
 
 def test_version(wm3d: Run) -> None:

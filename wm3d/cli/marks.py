@@ -19,12 +19,6 @@ SEED_BITS = 128
 """Size of the random secret of `embed`: beyond any search, and short enough to copy."""
 
 
-def _default_scheme() -> str:
-    from wm3d.api import DEFAULT_SCHEME
-
-    return DEFAULT_SCHEME
-
-
 def _default_pf() -> str:
     from wm3d.stats import DEFAULT_PF
 
@@ -41,11 +35,13 @@ def embed(
         typer.Option(metavar="KEY.json", help="Where the key is written: the secret and the parameters."),
     ],
     scheme: Annotated[
-        str,
+        str | None,
         typer.Option(
-            metavar="NAME", help="One of `wm3d list schemes`.", default_factory=Late(_default_scheme)
+            metavar="NAME",
+            help="One of `wm3d list schemes`.",
+            show_default="range-dct; song2002 if a grid or a region is given",
         ),
-    ],
+    ] = None,
     seed: Annotated[
         int | None,
         typer.Option(metavar="N", help="The secret, below 2^256.", show_default=f"{SEED_BITS} random bits"),
@@ -81,8 +77,9 @@ def embed(
 
     Example: wm3d embed bunny marked.ply --key key.json --snr 44
 
-    Example: wm3d embed horse.ply marked.ply --key key.json miss=exclude
+    Example: wm3d embed horse.ply marked.ply --key key.json --scheme song2002 --grid 84x84
     """
+    from wm3d.api import default_scheme
     from wm3d.api import embed as mark
     from wm3d.mesh import check_target, decode_mesh, encode_mesh, write_together
     from wm3d.metrics import snr as measured_snr
@@ -96,7 +93,7 @@ def embed(
         grid=None if grid is None else grid_size(grid),
         region=None if region is None else region_corners(region),
     )
-    chosen = SCHEMES.build(scheme, parameters)
+    chosen = SCHEMES.build(scheme or default_scheme(parameters), parameters)
     _keep_apart(key, source, target)
     for file in (target, key):
         check_target(file)

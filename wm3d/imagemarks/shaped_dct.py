@@ -18,7 +18,7 @@ SHAPE = 0.8
 SHAPING = 0.5
 """Amplitudes fall with this power of the host's scale: between equal moves (0) and equal contrast (−1)."""
 
-MOST_AMPLITUDE = 3.0
+MOST_AMPLITUDE = 2.0
 """Largest amplitude, over that of the median coefficient."""
 
 LEAST_AREA = 0.05

@@ -104,7 +104,10 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
     for _ in range(2):
         integrals = kernels.cone_integrals(mesh.vertices, mesh.faces, apex)
         if abs(integrals[0, 0, 0]) <= LEAST_VOLUME * mesh.diagonal**3:
-            raise Wm3dError(f"{mesh.name}: its faces enclose no volume, which the moments of a solid need.")
+            raise Wm3dError(
+                f"{mesh.name}: its faces enclose no volume, as if all lay in a plane, but only a solid has the "
+                "moments that fix its pose."
+            )
         volume, shift = integrals[0, 0, 0], _tensor(integrals, 1) / integrals[0, 0, 0]
         apex = apex + shift
     second, third, fourth = (_tensor(integrals, order) / volume for order in ORDERS)
