@@ -5,12 +5,13 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 import pytest
 from pydantic import Field
-from shapes import box
+from shapes import blob, box
 
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
-from wm3d.metrics import snr
+from wm3d.metrics import Budget, snr
 from wm3d.schemes import Scheme
+from wm3d.schemes.vertex_ss import VertexSs
 from wm3d.stats import RademacherSum
 
 
@@ -53,10 +54,30 @@ class Bounded(Swelling):
 
 def test_strength_stays_below_its_bound():
     assert Bounded().at_snr(box(), 0, 6.5).growth == pytest.approx(10 ** (-6.5 / 20))
-    with pytest.raises(Wm3dError, match=r"^box: swelling cannot be set to an SNR of 6 dB\.$"):
+    with pytest.raises(
+        Wm3dError, match=r"^box: swelling .* an SNR of 6 dB; the nearest is 0\.0206 dB too weak\.$"
+    ):
         Bounded().at_snr(box(), 0, 6.0)  # a growth of 0.501
 
 
 def test_score_is_the_evidence_for_the_signs_of_the_seed():
     scores = {Swelling().score(box(), seed).z for seed in range(20)}
     assert scores == {-1.0, 1.0}
+
+
+@pytest.mark.parametrize(
+    ("metric", "value"), [("mrms", 0.5), ("snr", 50.0), ("msdm2", 0.02)], ids=["mrms", "snr", "msdm2"]
+)
+def test_strength_reaches_a_budget_of_any_metric(metric, value):
+    mesh, budget = blob(subdivisions=4), Budget(metric=metric, value=value)
+    scheme = VertexSs(alpha=1e-4).at_distortion(mesh, 3, budget, tolerance=0.01)
+    reached = budget.measured(mesh, scheme.embed(mesh, 3)[0])
+    assert reached == pytest.approx(value, rel=10 ** (0.01 / 20) - 1)
+
+
+def test_headroom_counts_every_metric_in_decibels_of_strength():
+    assert Budget(metric="snr", value=44).headroom(50.0) == 6.0
+    assert Budget(metric="mrms", value=0.2).headroom(0.1) == pytest.approx(20 * np.log10(2))
+    assert Budget(metric="msdm2", value=0.2).headroom(0.0) == np.inf
+    with pytest.raises(ValueError, match="an MRMS of 0 % leaves no room for a mark"):
+        Budget(metric="mrms", value=0.0)

@@ -1,5 +1,6 @@
 """Distortion between two meshes."""
 
+from wm3d.metrics.budget import Budget
 from wm3d.metrics.compare import METRICS, Measurement, compare, measure
 from wm3d.metrics.metric import Metric
 from wm3d.metrics.perceptual import msdm, msdm2
@@ -10,6 +11,7 @@ from wm3d.metrics.volume import volume_change
 
 __all__ = [
     "METRICS",
+    "Budget",
     "Measurement",
     "Metric",
     "compare",

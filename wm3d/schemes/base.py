@@ -2,6 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from typing import ClassVar, Self
 
 from scipy.optimize import brentq
@@ -10,20 +11,20 @@ from wm3d.arrays import SignArray
 from wm3d.component import Component
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
-from wm3d.metrics import snr
+from wm3d.metrics import Budget
 from wm3d.scanner import Cylinder
 from wm3d.stats import RademacherSum, Score, key_signs
 
-SNR_TOLERANCE = 1e-6
-"""How near `Scheme.at_snr` comes to the wanted SNR, in dB."""
+TOLERANCE = 1e-6
+"""How near `Scheme.at_distortion` comes to a budget unless told otherwise, in dB (`Budget.headroom`)."""
 
-SNR_REACH = 600.0
-"""Change of SNR in dB beyond which `Scheme.at_snr` does not look: float64 coordinates span some 300 dB."""
+REACH = 600.0
+"""Change in dB beyond which it does not look: float64 coordinates span some 300 dB."""
 
-SNR_BRACKETED = 1e-3
+BRACKETED = 1e-3
 """How near it comes where moves are far from proportional to the strength, in dB."""
 
-SNR_JUMP = 0.05
+JUMP = 0.05
 """What it accepts where the distortion jumps with the strength, in dB."""
 
 _STEPS = 40
@@ -107,39 +108,71 @@ class Scheme(Component, ABC):
         Wm3dError
             If no strength gives that SNR.
         """
+        return self.at_distortion(mesh, seed, Budget(metric="snr", value=decibels))
+
+    def at_distortion(self, mesh: Mesh, seed: int, budget: Budget, tolerance: float = TOLERANCE) -> Self:
+        """Return this scheme with its strength set so that `embed` distorts the mesh as a budget allows.
+
+        Parameters
+        ----------
+        mesh : Mesh
+        seed : int
+        budget : Budget
+        tolerance : float
+            How near to come, in dB of `Budget.headroom`.
+
+        Raises
+        ------
+        Wm3dError
+            If no strength gives that distortion.
+        """
+
+        def headroom(log_strength: float) -> float:
+            marked, _ = self._of_strength(log_strength).embed(mesh, seed)
+            rooms.append(budget.headroom(budget.measured(mesh, marked)))
+            return rooms[-1]
+
+        rooms: list[float] = []
         limit, value = math.log(self._strength_limit()), math.log(getattr(self, self.strength))
         bracket: dict[bool, float] = {}  # ln strength by whether it is too weak
         last = math.inf
         for _ in range(_STEPS):
-            miss = self._miss(mesh, seed, decibels, value)
-            if abs(miss) <= SNR_TOLERANCE:
+            room = headroom(value)
+            if abs(room) <= tolerance:
                 return self._of_strength(value)
-            if not abs(miss) < SNR_REACH:  # also NaN, and an SNR of ∞ where no vertex moves
+            if not abs(room) < REACH:  # also NaN, and an SNR of ∞ where no vertex moves
                 break
-            bracket[miss > 0] = value
-            if len(bracket) == 2 and abs(miss) > abs(last) / 2:
-                value = self._bracketed(mesh, seed, decibels, bracket)
-                if abs(self._miss(mesh, seed, decibels, value)) <= SNR_JUMP:
+            bracket[room > 0] = value
+            if len(bracket) == 1 and abs(room - last) < tolerance:
+                break  # at a bound of the strength, or where more of it does nothing
+            if len(bracket) == 2 and abs(room) > abs(last) / 2:
+                value = _bracketed(headroom, bracket, max(tolerance, BRACKETED))
+                if abs(headroom(value)) <= max(tolerance, JUMP):
                     return self._of_strength(value)
                 break
-            proposed = value + miss * _NEPERS  # exact where moves are proportional
-            value, last = proposed if proposed < limit else (value + limit) / 2, miss
-        raise Wm3dError(f"{mesh.name}: {self.label()} cannot be set to an SNR of {decibels:g} dB.")
-
-    def _bracketed(self, mesh: Mesh, seed: int, decibels: float, bracket: dict[bool, float]) -> float:
-        def miss(log_strength: float) -> float:
-            value = self._miss(mesh, seed, decibels, log_strength)
-            return value if abs(value) > SNR_BRACKETED else 0.0  # near enough to stop
-
-        return float(brentq(miss, bracket[True], bracket[False], xtol=_XTOL))
+            proposed = value + room * _NEPERS  # exact where moves are proportional
+            value, last = proposed if proposed < limit else (value + limit) / 2, room
+        nearest = min(rooms, key=abs)
+        way = f"; the nearest is {abs(nearest):.3g} dB too {'weak' if nearest > 0 else 'strong'}"
+        raise Wm3dError(
+            f"{mesh.name}: {self.label()} cannot be set to {budget.in_words()}"
+            f"{way if abs(nearest) < REACH else ''}."
+        )
 
     def _of_strength(self, log_strength: float) -> Self:
         return self.model_copy(update={self.strength: math.exp(log_strength)})
-
-    def _miss(self, mesh: Mesh, seed: int, decibels: float, log_strength: float) -> float:
-        return snr(mesh, self._of_strength(log_strength).embed(mesh, seed)[0]) - decibels
 
     def _strength_limit(self) -> float:
         """Return the bound that the field of the strength declares, ∞ if none."""
         metadata = type(self).model_fields[self.strength].metadata
         return min((m.lt for m in metadata if hasattr(m, "lt")), default=math.inf)
+
+
+def _bracketed(headroom: Callable[[float], float], bracket: Mapping[bool, float], tolerance: float) -> float:
+    """Return the ln strength inside a bracket at which the headroom is 0, or as good as 0."""
+
+    def room(log_strength: float) -> float:
+        value = headroom(log_strength)
+        return value if abs(value) > tolerance else 0.0  # near enough to stop
+
+    return float(brentq(room, bracket[True], bracket[False], xtol=_XTOL))
