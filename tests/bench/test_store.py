@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from wm3d.bench.columns import TRIALS
+from wm3d.bench.columns import ADDED, TRIALS
 from wm3d.bench.store import DamagedCellError, RunDirectory
 from wm3d.errors import Wm3dError
 
@@ -35,6 +35,15 @@ def directory(tmp_path: Path) -> RunDirectory:
 def test_rows_come_back_bit_for_bit(directory):
     pd.testing.assert_frame_equal(directory.read_cell(A), rows(), check_exact=True)
     assert directory.read_cell(B) is None
+
+
+def test_cells_of_earlier_versions_read_with_nan_for_what_they_lack(directory):
+    directory.write_cell(B, rows().drop(columns=list(ADDED)))
+    read = directory.read_cell(B)
+    assert list(read) == list(TRIALS)
+    assert read[list(ADDED)].isna().all(axis=None)
+    directory.write_cell(A, rows().drop(columns="z"))
+    assert "its columns are others" in damaged(directory)
 
 
 def damaged(directory: RunDirectory) -> str:

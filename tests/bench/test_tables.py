@@ -52,6 +52,16 @@ def test_d_prime_is_the_mean_of_z_with_the_interval_of_the_t_test():
     assert (line["d_prime_low"], line["d_prime_high"]) == pytest.approx((band.low, band.high))
 
 
+def test_bit_errors_have_a_mean_with_an_interval_inside_0_to_1_and_marks_without_bits_have_none():
+    rates = [0.0, 0.25, 0.5]
+    (line,) = detection(frame([3.0, 2.0, 1.0], bit_error_rate=rates), PF).to_dict("records")
+    band = ttest_1samp(rates, 0).confidence_interval(0.95)
+    assert line["ber"] == 0.25
+    assert (line["ber_low"], line["ber_high"]) == (0.0, pytest.approx(band.high))
+    (line,) = detection(frame([3.0, 2.0], bit_error_rate=[np.nan, np.nan]), PF).to_dict("records")
+    assert np.isnan([line["ber"], line["ber_low"], line["ber_high"]]).all()
+
+
 def test_noise_has_its_common_unit_in_a_column_and_what_is_no_noise_has_none():
     rows = pd.concat([frame([1.0]), frame([1.0], attack="noise 0.5")])
     table = detection(rows, PF, {"m": {"noise 0.5": 0.07}, "another mesh": {"clean": 1.0}})

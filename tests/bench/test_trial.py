@@ -1,5 +1,6 @@
 """Trials: rows equal what the parts give by hand; errors of an attack are rows, not the end of a run."""
 
+from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -14,6 +15,7 @@ from wm3d.bench.seeds import derived_seed, generator
 from wm3d.bench.trial import THRESHOLDS, run_task
 from wm3d.metrics import snr
 from wm3d.schemes import Song2002
+from wm3d.schemes.cho2007 import Cho2007Mean
 from wm3d.stats import hadamard_keys, log10_tail
 
 MESHES = {"one": blob(seed=1, subdivisions=4), "two": blob(seed=2, subdivisions=4)}
@@ -207,3 +209,12 @@ def test_there_is_no_false_alarm_curve_of_a_mesh_that_failed(what):
     (frame,) = rows(monte_carlo)
     assert len(frame) == 0
     assert list(frame.columns) == list(FALSE_ALARMS)
+
+
+def test_bits_are_counted_where_they_are_a_message_and_every_mesh_has_a_least_p():
+    message = replace(cell(Clean()), scheme=Cho2007Mean())
+    (of_bits,), (of_mark,) = rows(message), rows(cell(Clean(), wrong_keys=1))
+    assert (of_bits["bit_error_rate"] == 0).all()
+    assert of_bits["log10_p_least"].tolist() == pytest.approx([-64 * np.log10(2)] * 3)
+    assert of_mark["bit_error_rate"].isna().all()
+    assert (of_mark["log10_p_least"] < of_mark["log10_p"]).all()

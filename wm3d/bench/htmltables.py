@@ -21,7 +21,9 @@ TITLES = {
         "Detection",
         "Pd at each Pf with its 95 % Clopper–Pearson interval, from exact p-values. d′ is the mean of z over "
         "keys, whose null has mean 0 and variance 1, with its 95 % interval by Student’s t. σ is the "
-        "standard deviation of noise on each coordinate in % of the diagonal of the bounding box.",
+        "standard deviation of noise on each coordinate in % of the diagonal of the bounding box. Least "
+        "Pf is the median of the least p-value that any key reaches on the mesh that was read. BER is the "
+        "mean bit error rate of schemes that carry a message, with its 95 % interval by Student’s t.",
     ),
     "snr": ("Distortion", "Signal-to-noise ratio of the marked meshes over keys, in dB (eq. 13)."),
     "axes": (
@@ -42,7 +44,11 @@ TITLES = {
         "ROC by counting",
         "As the paper made it: one threshold on z for all trials, Pf counted on random keys, Pd on trials.",
     ),
-    "timing": ("Stages", "Median seconds of each stage of a trial."),
+    "timing": (
+        "Stages",
+        "Median seconds of each stage of a trial, and the memory in MB that embedding needed beyond what the "
+        "process held.",
+    ),
 }
 """Heading and explanation of the tables by file name; others are called by their file name."""
 
@@ -55,6 +61,8 @@ HEADINGS = {
     "d_prime": "d′",
     "auc": "AUC",
     "eer": "EER",
+    "log10_pf_least": "least log10 Pf",
+    "ber": "BER",
     "ks_p": "KS p-value",
     "pf": "Pf",
     "pd": "Pd",
@@ -66,6 +74,7 @@ HEADINGS = {
     "embed_seconds": "embed, s",
     "attack_seconds": "attack, s",
     "score_seconds": "scan and score, s",
+    "embed_mb": "embed, MB",
 }
 
 

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from filelock import FileLock, Timeout
 
-from wm3d.bench.columns import TRIALS
+from wm3d.bench.columns import ADDED, TRIALS
 from wm3d.errors import Wm3dError
 from wm3d.mesh import write_whole
 
@@ -105,8 +105,11 @@ class RunDirectory:
             table = pq.read_table(path, page_checksum_verification=True, memory_map=False)
             if (table.schema.metadata or {}).get(CELL_KEY) != digest.encode():
                 raise DamagedCellError(path, "it belongs to another cell")
-            rows: pd.DataFrame = table.to_pandas().astype(dict(columns))
-            return rows
+            rows: pd.DataFrame = table.to_pandas()
+            absent = columns.keys() - set(rows)
+            if not absent <= ADDED or not set(rows) <= columns.keys():
+                raise DamagedCellError(path, "its columns are others")
+            return rows.assign(**dict.fromkeys(absent, float("nan")))[list(columns)].astype(dict(columns))
         except DamagedCellError:
             raise
         except Exception as error:  # there is no telling what noise leads a decoder to

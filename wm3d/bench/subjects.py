@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from wm3d.attacks import Attack
 from wm3d.attacks.base import Owner
+from wm3d.bench.memory import with_peak
 from wm3d.bench.plan import Cell
 from wm3d.bench.seeds import derived_seed, generator
 from wm3d.errors import Wm3dError
@@ -25,13 +26,14 @@ the same vertices in the same order; in another order it is nearly 1."""
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """A marked mesh, its key's seed, the scheme to read it with, its SNR in dB, the seconds it took."""
+    """A marked mesh, its key's seed, the scheme to read it with, its SNR in dB, what it took in s and MB."""
 
     mesh: Mesh
     seed: int
     scheme: Scheme
     snr_db: float
     seconds: float
+    mb: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +86,9 @@ class Subjects:
             seed = derived_seed(cell.seed, cell.mesh_digest, trial, "key")
             original = self._meshes[cell.mesh]
             start = time.perf_counter()
-            marked, scheme = cell.scheme.embed(original, seed)
+            (marked, scheme), mb = with_peak(lambda: cell.scheme.embed(original, seed))
             seconds = time.perf_counter() - start
-            self._last = trial, Mark(marked, seed, scheme, snr(original, marked), seconds)
+            self._last = trial, Mark(marked, seed, scheme, snr(original, marked), seconds, mb)
         return self._last[1]
 
     def read(self, cell: Cell, trial: int) -> Reading:

@@ -57,7 +57,10 @@ def detection(rows: pd.DataFrame, pf: Sequence[float], sigmas: Sigmas | None = N
 
     The null of z has mean 0 and variance 1 exactly, so d' is the mean of z over keys and its 95 % interval
     that of Student's t. `sigma_percent` is the standard deviation of noise on each coordinate in percent of
-    the diagonal of the bounding box, NaN for attacks that are no noise.
+    the diagonal of the bounding box, NaN for attacks that are no noise. `log10_pf_least` is the median over
+    trials of the log10 of the least p-value that any key reaches: no Pd at a smaller Pf can be above 0. `ber`
+    is the mean bit error rate of schemes that carry a message, with its 95 % interval by Student's t, NaN for
+    others; a mesh that cannot be read has one half of the bits wrong.
 
     Trials whose attack failed are counted in `failed` and left out; a mesh that cannot be read counts as not
     detected, with p = 1.
@@ -87,10 +90,22 @@ def _detection_row(group: pd.DataFrame, pf: Sequence[float]) -> Line:
         "d_prime_high": float(mean.high),
         "auc": auc(log10_p),
         "eer": eer(log10_p),
+        "log10_pf_least": scored["log10_p_least"].median(),
+        **_error_rate(scored["bit_error_rate"].dropna()),
     }
     for value, share, low, high in zip(pf, curve.pd, curve.low, curve.high, strict=True):
         line |= {f"pd_{value:g}": share, f"pd_{value:g}_low": low, f"pd_{value:g}_high": high}
     return line
+
+
+def _error_rate(rates: "pd.Series[float]") -> Line:
+    """Mean bit error rate over keys; the t interval is cut where no rate can be."""
+    band = student_t(rates.to_numpy())
+    return {
+        "ber": rates.mean(),
+        "ber_low": np.maximum(band.low, 0.0),
+        "ber_high": np.minimum(band.high, 1.0),
+    }
 
 
 def distortion(rows: pd.DataFrame) -> pd.DataFrame:
@@ -205,8 +220,8 @@ def swept(rows: pd.DataFrame, false_alarms: pd.DataFrame) -> pd.DataFrame:
 
 
 def timing(rows: pd.DataFrame) -> pd.DataFrame:
-    """Median seconds of each stage of a trial; the one table that differs from run to run."""
-    stages = ["embed_seconds", "attack_seconds", "score_seconds"]
+    """Median seconds of the stages of a trial, MB of embedding; the one table that differs between runs."""
+    stages = ["embed_seconds", "attack_seconds", "score_seconds", "embed_mb"]
     trials = rows[rows["hypothesis"] == "H1"]
     return trials.groupby(CELL_KEYS, sort=False)[stages].median().reset_index()
 

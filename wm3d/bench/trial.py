@@ -18,6 +18,10 @@ from wm3d.stats import RademacherSum, hadamard_keys, log10_tail
 THRESHOLDS = np.arange(-30, 66) / 10
 """Thresholds z of the Monte Carlo false-alarm curve: Pf from 0.999 down to 4e-11."""
 
+_SECONDS = ("seconds", "embed_seconds", "attack_seconds", "score_seconds")
+_MEASURED = ("statistic", "z", "log10_p", "snr_db", "axis_deg", "log10_p_least")
+_ONCE = ("bit_error_rate", "embed_mb")  # of the key that was embedded, or of embedding it
+
 Row = dict[str, Any]
 
 
@@ -68,18 +72,19 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> list[Row]:
         "hypothesis": cell.hypothesis,
         "subject": cell.unmarked or cell.mesh,
         "trial": trial,
-        **dict.fromkeys(("statistic", "z", "log10_p", "snr_db", "axis_deg"), float("nan")),
-        **dict.fromkeys(("seconds", "embed_seconds", "attack_seconds", "score_seconds"), 0.0),
+        **dict.fromkeys((*_MEASURED, *_ONCE), float("nan")),
+        **dict.fromkeys(_SECONDS, 0.0),
         "faces_out": 0,
         "error": "",
     }
     try:
         mark = subjects.mark(trial)
         if cell.hypothesis == "H1":
-            row |= {"snr_db": mark.snr_db, "embed_seconds": mark.seconds}
+            row |= {"snr_db": mark.snr_db, "embed_seconds": mark.seconds, "embed_mb": mark.mb}
         reading = subjects.read(cell, trial)
         start = time.perf_counter()
-        score = reading.evidence.score(mark.scheme.signs(mark.seed))
+        signs = mark.scheme.signs(mark.seed)
+        score = reading.evidence.score(signs)
         score_seconds = reading.read_seconds + time.perf_counter() - start
     except MemoryError:
         raise  # that is about this machine, not about the attack
@@ -95,7 +100,10 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> list[Row]:
         "attack_seconds": reading.attack_seconds,
         "score_seconds": score_seconds,
         "error": reading.unreadable,
+        "log10_p_least": reading.evidence.log10_p_least,
     }
+    if cell.hypothesis == "H1" and mark.scheme.message:
+        row["bit_error_rate"] = reading.evidence.bit_error_rate(signs)
     return [row, *_wrong_key_rows(cell, row, mark.scheme, reading.evidence)]
 
 
@@ -108,7 +116,7 @@ def _wrong_key_rows(cell: TrialCell, row: Row, scheme: Scheme, evidence: Rademac
     sums = np.array([evidence.b @ scheme.signs(seed) for seed in seeds])
     z = sums / evidence.scale if evidence.scale > 0 else np.zeros(len(sums))
     common = row | {"hypothesis": "H0-wrong-key", "error": ""}
-    common |= dict.fromkeys(("seconds", "embed_seconds", "attack_seconds", "score_seconds"), 0.0)
+    common |= dict.fromkeys(_SECONDS, 0.0) | dict.fromkeys(_ONCE, float("nan"))
     return [
         {
             **common,
