@@ -128,9 +128,6 @@ def test_mesh_without_unique_axes_is_refused_in_one_sentence(mesh, sentence):
     assert str(refusal.value).count(". ") == 0
 
 
-@pytest.mark.xfail(
-    strict=True, raises=Wm3dError, reason="the misfit is measured along the longest axis alone"
-)
 def test_whether_axes_are_unique_does_not_depend_on_a_stretch():
     upright = MESH.vertices @ rotation(0)
     for factor in (0.25, 4.0):

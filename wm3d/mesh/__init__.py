@@ -15,7 +15,8 @@ from wm3d.mesh.moments import (
     volume_moments,
 )
 from wm3d.mesh.normals import vertex_normals
-from wm3d.mesh.solid import SolidMoments, solid_moments
+from wm3d.mesh.places import places
+from wm3d.mesh.solid import SolidMoments, solid_moments, whitening
 
 __all__ = [
     "ENDINGS",
@@ -30,6 +31,7 @@ __all__ = [
     "is_closed",
     "load_mesh",
     "orientation",
+    "places",
     "save_mesh",
     "signed_volume",
     "solid_moments",
@@ -37,6 +39,7 @@ __all__ = [
     "vertex_moments",
     "vertex_normals",
     "volume_moments",
+    "whitening",
     "write_together",
     "write_whole",
 ]

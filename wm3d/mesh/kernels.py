@@ -147,17 +147,17 @@ _DUNAVANT = np.array(
 
 
 @njit(cache=True)
-def cone_integrals(vertices: FloatArray, faces: IntArray, apex: FloatArray) -> FloatArray:
-    """Integrals of xⁱ yʲ zᵏ over the signed tetrahedra (apex, a, b, c), relative to apex: (5, 5, 5).
+def cone_integrals(vertices: FloatArray, faces: IntArray, apex: FloatArray, unit: float) -> FloatArray:
+    """Integrals of xⁱ yʲ zᵏ over the signed tetrahedra (apex, a, b, c), from the apex, in a unit: (5, 5, 5).
 
     Entries with i + j + k > 4 are zero. For f of degree p, ∫ f = det[a b c] / (2 (p + 3)) times the mean of f
     over the face, which six points give exactly.
     """
     total = np.zeros((5, 5, 5))
     for f in range(faces.shape[0]):
-        a = _relative(vertices, faces[f, 0], apex)
-        b = _relative(vertices, faces[f, 1], apex)
-        c = _relative(vertices, faces[f, 2], apex)
+        a = _shrunk(_relative(vertices, faces[f, 0], apex), unit)
+        b = _shrunk(_relative(vertices, faces[f, 1], apex), unit)
+        c = _shrunk(_relative(vertices, faces[f, 2], apex), unit)
         d = _determinant(a, b, c)
         for q in range(6):
             p, r, s, weight = _DUNAVANT[q]
@@ -187,6 +187,12 @@ def cone_integrals(vertices: FloatArray, faces: IntArray, apex: FloatArray) -> F
 def _relative(vertices: FloatArray, index: int, origin: FloatArray) -> Vector:
     i = np.uintp(index)  # unsigned: numba then omits the test for negative indices, which Mesh has done
     return vertices[i, 0] - origin[0], vertices[i, 1] - origin[1], vertices[i, 2] - origin[2]
+
+
+@njit(cache=True)
+def _shrunk(vector: Vector, unit: float) -> Vector:
+    x, y, z = vector
+    return x / unit, y / unit, z / unit
 
 
 @njit(cache=True)

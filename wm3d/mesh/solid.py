@@ -19,6 +19,9 @@ ENTRIES = 31
 LEAST_VOLUME = 1e-12
 """Least volume, relative to the cube of the bounding box's diagonal, that counts as a solid."""
 
+LEAST_MOMENT = 1e-9
+"""Least second moment of a solid, relative to the largest."""
+
 
 class SolidMoments(NamedTuple):
     """Moments of a solid of unit density about its centroid, divided by its volume.
@@ -98,20 +101,47 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
     Raises
     ------
     Wm3dError
-        If the faces enclose no volume, as those of a flat sheet.
+        If the faces enclose no volume, as those of a flat sheet, or are wound so at variance that the second
+        moments are not those of a solid.
     """
-    apex = kernels.vertex_mean(mesh.vertices)
+    apex, unit = kernels.vertex_mean(mesh.vertices), mesh.diagonal
     for _ in range(2):
-        integrals = kernels.cone_integrals(mesh.vertices, mesh.faces, apex)
-        if abs(integrals[0, 0, 0]) <= LEAST_VOLUME * mesh.diagonal**3:
+        integrals = kernels.cone_integrals(mesh.vertices, mesh.faces, apex, unit)
+        volume = integrals[0, 0, 0]
+        if abs(volume) <= LEAST_VOLUME:
             raise Wm3dError(
-                f"{mesh.name}: its faces enclose no volume, as if all lay in a plane, but only a solid has the "
-                "moments that fix its pose."
+                f"{mesh.name}: its faces enclose no volume, as if all lay in a plane, but only a solid has "
+                "the moments that fix its pose."
             )
-        volume, shift = integrals[0, 0, 0], _tensor(integrals, 1) / integrals[0, 0, 0]
-        apex = apex + shift
-    second, third, fourth = (_tensor(integrals, order) / volume for order in ORDERS)
-    return SolidMoments(apex, *_centred(shift, second, third, fourth))
+        shift = _tensor(integrals, 1) / volume
+        apex = apex + unit * shift
+    central = _centred(shift, *(_tensor(integrals, order) / volume for order in ORDERS))
+    whitening(central[0], mesh.name)
+    return SolidMoments(apex, *(unit**order * t for order, t in zip(ORDERS, central, strict=True)))
+
+
+def whitening(second: FloatArray, name: str) -> tuple[FloatArray, FloatArray]:
+    """Return the symmetric maps that make second moments a unit matrix, and of a unit matrix them.
+
+    Parameters
+    ----------
+    second : (3, 3) ndarray
+        Second moments of a solid.
+    name : str
+        Of the mesh, for the message.
+
+    Raises
+    ------
+    Wm3dError
+        If they are not positive, as can be where parts of a mesh are wound inwards and others outwards.
+    """
+    values, axes = np.linalg.eigh(second)
+    if values[0] <= LEAST_MOMENT * abs(values[2]):
+        raise Wm3dError(
+            f"{name}: its volume has no positive extent in every direction; turn the faces so that all are "
+            "wound alike."
+        )
+    return (axes / np.sqrt(values)) @ axes.T, (axes * np.sqrt(values)) @ axes.T
 
 
 def _centred(

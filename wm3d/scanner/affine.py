@@ -12,11 +12,11 @@ from scipy.spatial.transform import Rotation
 
 from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, SolidMoments, solid_moments
+from wm3d.mesh import Mesh, SolidMoments, solid_moments, whitening
 from wm3d.scanner import kernels
 
 TURNS = 2000
-"""Rotations among which the fit looks for its starts; one of them is within about 15° of any."""
+"""Rotations among which the fit looks for its starts; one of them is within 17° of any."""
 
 STARTS = 6
 """How many starts are tried to the end, the best first."""
@@ -112,30 +112,34 @@ class _Fit(NamedTuple):
 
 
 def _fits(moments: SolidMoments, reference: SolidMoments) -> Iterator[_Fit]:
-    """Yield the maps to which least squares lead from each start."""
-    scale = np.sqrt(np.trace(moments.second))  # the search is in units of the solid
-    unit, goal = moments.mapped(np.eye(3) / scale), reference.components()
+    """Yield the maps to which least squares lead from each start.
+
+    In coordinates in which the second moments of both are unit matrices: there the misfit does not depend on
+    how long the solid is, and the map sought is nearly a rotation.
+    """
+    whiten = whitening(moments.second, "the mesh")[0]
+    whiten_reference, colour = whitening(reference.second, "the reference")
+    here, goal = moments.mapped(whiten), reference.mapped(whiten_reference)
+    aim = goal.components()
+    size = float(np.linalg.norm(aim))
 
     def residual(entries: FloatArray) -> FloatArray:
-        return unit.components_of(entries.reshape(3, 3))[0] - goal
+        return here.components_of(entries.reshape(3, 3))[0] - aim
 
     def slopes(entries: FloatArray) -> FloatArray:
-        return unit.components_of(entries.reshape(3, 3))[1]
+        return here.components_of(entries.reshape(3, 3))[1]
 
-    for start in _starts(unit, reference):
+    # the frame is left-handed
+    mirror = -float(np.sign(np.linalg.det(colour) * np.linalg.det(whiten)))
+    for start in _starts(here, goal, _turns(TURNS) * [1.0, 1.0, mirror]):
         fit = least_squares(residual, start.ravel(), jac=slopes, method="lm")
-        yield _Fit(fit.x.reshape(3, 3) / scale, math.sqrt(2 * fit.cost) / float(np.linalg.norm(goal)))
+        yield _Fit(colour @ fit.x.reshape(3, 3) @ whiten, math.sqrt(2 * fit.cost) / size)
 
 
-def _starts(moments: SolidMoments, reference: SolidMoments) -> list[FloatArray]:
-    """Return maps under which the second moments agree and the higher ones nearly do, the best first."""
-    whiten, colour = _whitening(moments)[0], _whitening(reference)[1]
-    mirror = -np.sign(np.linalg.det(colour) * np.linalg.det(whiten))  # the frame is left-handed
-    goal = reference.mapped(_whitening(reference)[0])
-    here = moments.mapped(whiten)
-    turns = _turns(TURNS) * [1.0, 1.0, mirror]
+def _starts(here: SolidMoments, goal: SolidMoments, turns: FloatArray) -> list[FloatArray]:
+    """Return the (k, 3, 3) turns under which the higher moments nearly agree, the best first."""
     misfit = sum(
-        ((_turned(tensor, turns) - aim) ** 2).reshape(TURNS, -1).sum(axis=1)
+        ((_turned(tensor, turns) - aim) ** 2).reshape(len(turns), -1).sum(axis=1)
         for tensor, aim in ((here.third, goal.third), (here.fourth, goal.fourth))
     )
     chosen: list[FloatArray] = []
@@ -145,13 +149,7 @@ def _starts(moments: SolidMoments, reference: SolidMoments) -> list[FloatArray]:
             chosen.append(turn)
             if len(chosen) == STARTS:
                 break
-    return [colour @ turn @ whiten for turn in chosen]
-
-
-def _whitening(moments: SolidMoments) -> tuple[FloatArray, FloatArray]:
-    """Return the symmetric maps that make the second moments a unit matrix, and of a unit matrix them."""
-    values, axes = np.linalg.eigh(moments.second)
-    return (axes / np.sqrt(values)) @ axes.T, (axes * np.sqrt(values)) @ axes.T
+    return chosen
 
 
 def _turned(tensor: FloatArray, turns: FloatArray) -> FloatArray:

@@ -2,11 +2,13 @@
 
 import numpy as np
 
-from wm3d.mesh import Mesh, surface_area, volume_moments
+from wm3d.arrays import FloatArray
+from wm3d.mesh import Mesh, kernels, places, volume_moments, whitening
 from wm3d.mesh.kernels import umbrella_step
+from wm3d.scanner.kernels import to_frame
 
 CRUMPLED = 1.6
-"""Surface area, over that of the marked mesh, above which a surface is smoothed; below, smoothing costs more
+"""Whitened area, over that of the marked mesh, above which a surface is smoothed; below, smoothing costs more
 of the mark than of the noise."""
 
 STEP = 0.3
@@ -15,38 +17,53 @@ STEP = 0.3
 MOST_STEPS = 60
 
 
-def relative_area(mesh: Mesh) -> float:
-    """Return the surface area over the summed second moments of the solid; the same at any scale.
+def whitened_area(mesh: Mesh) -> float:
+    """Return the surface area in the coordinates in which the solid's second moments are a unit matrix.
+
+    So the same for a mesh that was scaled, stretched or sheared.
 
     Raises
     ------
     Wm3dError
         If the mesh encloses no volume.
     """
-    return surface_area(mesh) / float(np.trace(volume_moments(mesh).covariance))
+    return _area(mesh.vertices, mesh, _whitener(mesh))
 
 
 def denoised(mesh: Mesh, area: float) -> Mesh:
-    """Return the mesh, smoothed until its relative area is no more than `CRUMPLED` times what it was.
+    """Return the mesh, smoothed until its whitened area is no more than `CRUMPLED` times what it was.
 
     Noise on the coordinates that is as large as the edges folds the surface over; its area then grows with
     the square of the noise, and the error of the volume behind a cell with higher powers of it. A few steps
-    of Laplacian smoothing move a vertex by less than a cell and take most of that away.
+    of Laplacian smoothing move a vertex by less than a cell and take most of that away. Vertices in one place
+    are smoothed as one.
 
     Parameters
     ----------
     mesh : Mesh
     area : float
-        `relative_area` of the marked mesh.
+        `whitened_area` of the marked mesh.
 
     Raises
     ------
     Wm3dError
         If the mesh encloses no volume.
     """
-    allowed = CRUMPLED * area * float(np.trace(volume_moments(mesh).covariance))
+    whitener = _whitener(mesh)
+    if _area(mesh.vertices, mesh, whitener) <= CRUMPLED * area:
+        return mesh
+    first, place = places(mesh.vertices)
+    vertices, faces = mesh.vertices[first], place[mesh.faces]
     for _ in range(MOST_STEPS):
-        if surface_area(mesh) <= allowed:
+        vertices = umbrella_step(vertices, faces, STEP)
+        if _area(vertices[place], mesh, whitener) <= CRUMPLED * area:
             break
-        mesh = mesh.with_vertices(umbrella_step(mesh.vertices, mesh.faces, STEP))
-    return mesh
+    return mesh.with_vertices(vertices[place])
+
+
+def _whitener(mesh: Mesh) -> FloatArray:
+    return whitening(volume_moments(mesh).covariance, mesh.name)[0]
+
+
+def _area(vertices: FloatArray, mesh: Mesh, whitener: FloatArray) -> float:
+    return float(kernels.surface_area(to_frame(vertices, np.zeros(3), whitener), mesh.faces))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from wm3d.arrays import FloatArray
-from wm3d.mesh import Mesh, orientation
+from wm3d.mesh import Mesh, orientation, places
 from wm3d.scanner import Cylinder
 from wm3d.schemes import kernels
 
@@ -57,12 +57,9 @@ def pooled(posed: FloatArray, normals: FloatArray) -> FloatArray:
     ----------
     posed : (n, 3) ndarray
     normals : (n, k) ndarray
-
-    Equal coordinates have equal dot products with any direction, and others differ for one chosen at random.
     """
-    along = posed[:, 0] * 0.5390 + posed[:, 1] * 0.7318 + posed[:, 2] * 0.4173
-    places, place = np.unique(along, return_inverse=True)
-    if len(places) == len(posed):
+    first, place = places(posed)
+    if len(first) == len(posed):
         return normals
     total = [np.bincount(place, normals[:, k])[place] for k in range(normals.shape[1])]
     return np.column_stack(total)

@@ -6,14 +6,14 @@ from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from wm3d.arrays import FloatArray
+from wm3d.arrays import FloatArray, SignArray
 from wm3d.errors import Wm3dError
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct, inverse_block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
 from wm3d.mesh import Mesh, SolidMoments, orientation, solid_moments, vertex_normals
 from wm3d.mesh.solid import ENTRIES
 from wm3d.scanner.affine import AffineFrame, fitted_frame, principal_frame
-from wm3d.scanner.denoise import denoised, relative_area
+from wm3d.scanner.denoise import denoised, whitened_area
 from wm3d.scanner.scan import MAX_GRID
 from wm3d.scanner.volume import VolumeImage, volume_image
 from wm3d.schemes import kernels
@@ -42,7 +42,7 @@ class Reference(BaseModel):
     offset : (3,) tuple of float
         Where the marked solid's centroid lies in that frame.
     area : float
-        `relative_area` of the marked mesh.
+        `whitened_area` of the marked mesh.
     strength : float
         Amplitude of the mark that can be read back, in the unit of the frame.
     """
@@ -109,21 +109,12 @@ class RangeDct(Scheme):
         strength = self.alpha / 100 * _rms(mesh.vertices - mesh.vertices.mean(axis=0)) / _rms(moves)
         marked = mesh.with_vertices(mesh.vertices + strength * moves)
 
-        seen = layout.image(frame.posed(marked), marked)
-        gained = block_dct(seen.volumes - host.volumes)[:, 1:] * signs.reshape(-1, AC)
-        survives = float((gained * mark.response).sum() / (mark.response**2).sum())
-        if survives <= 0:
-            raise Wm3dError(f"{mesh.name}: too coarse to carry a mark of {len(mark.amplitude)} blocks.")
-        found = solid_moments(marked)
-        reference = Reference(
-            grid=layout.grid,
-            hmin=layout.hmin,
-            height=layout.height,
-            moments=tuple(found.mapped(frame.matrix).entries().tolist()),
-            offset=tuple((frame.matrix @ (found.centroid - frame.centroid)).tolist()),
-            area=relative_area(marked),
-            strength=survives,
-        )
+        reference = _reference(marked, frame, layout, host, mark, signs)
+        if reference is None:
+            raise Wm3dError(
+                f"{mesh.name}: the mark cannot be read even from the marked mesh; try fewer blocks than "
+                f"{self.blocks} or a larger alpha than {self.alpha:g}."
+            )
         return marked, self.model_copy(update={"reference": reference})
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
@@ -159,13 +150,35 @@ class _Layout(NamedTuple):
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         square = sum((corner[:, 1:] ** 2).sum(axis=1) for corner in (a, b, c)) / 3
         radius = math.sqrt(float(area @ square / area.sum()))
-        hmin, height = float(posed[:, 0].min()), float(np.ptp(posed[:, 0]))
+        heights = np.stack([a[:, 0], b[:, 0], c[:, 0]])  # of vertices that a face uses
+        hmin, height = float(heights.min()), float(np.ptp(heights))
         up = max(1, round(math.sqrt(blocks * height / (2 * math.pi * radius))))
         around = max(1, round(blocks / up))
         return cls((BLOCK * around, BLOCK * up), hmin, height)
 
     def image(self, posed: FloatArray, mesh: Mesh) -> VolumeImage:
         return volume_image(posed, mesh.faces, self.grid, self.hmin, self.height, orientation(mesh))
+
+
+def _reference(
+    marked: Mesh, frame: AffineFrame, layout: _Layout, host: VolumeImage, mark: ShapedDct, signs: SignArray
+) -> Reference | None:
+    """Measure what detection needs on the marked mesh; None if even there the mark is not found."""
+    seen = layout.image(frame.posed(marked), marked)
+    gained = block_dct(seen.volumes - host.volumes)[:, 1:] * signs.reshape(-1, AC)
+    survives = float((gained * mark.response).sum() / (mark.response**2).sum())
+    if survives <= 0 or not ShapedDct.of(seen.volumes, seen.areas).evidence(survives).score(signs).detected():
+        return None
+    found = solid_moments(marked)
+    return Reference(
+        grid=layout.grid,
+        hmin=layout.hmin,
+        height=layout.height,
+        moments=tuple(found.mapped(frame.matrix).entries().tolist()),
+        offset=tuple((frame.matrix @ (found.centroid - frame.centroid)).tolist()),
+        area=whitened_area(marked),
+        strength=survives,
+    )
 
 
 def _moves(mesh: Mesh, frame: AffineFrame, layout: _Layout, pattern: FloatArray) -> FloatArray:

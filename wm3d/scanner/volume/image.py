@@ -7,8 +7,9 @@ import numpy as np
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.scanner.volume import kernels
 
-SAMPLES = 1.0
-"""Parts of a face along its longer side, per cell of the image that it spans."""
+SAMPLES = 1.5
+"""Parts of a face along its longer side, per cell of the image that it spans; more for coarse meshes gain
+little."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,128 @@
+"""Take one ingredient at a time out of range-dct; writes results/range_dct/ablation.csv.
+
+    WM3D_DATA=folder-with-the-meshes python experiments/ablation.py [--keys 20]
+
+The ingredients are those of the module docstrings of `wm3d.schemes.range_dct` and what it imports; without one
+of them the scheme is otherwise the same, at the same SNR, on the same keys and the same noise.
+"""
+
+import argparse
+import math
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+import pandas as pd
+
+from wm3d.arrays import FloatArray
+from wm3d.attacks import ATTACKS, Attack
+from wm3d.imagemarks import shaped_dct
+from wm3d.mesh import Mesh, SolidMoments, datasets, write_whole
+from wm3d.scanner import VertexPca, denoise, kernels
+from wm3d.scanner.affine import AffineFrame
+from wm3d.scanner.volume import VolumeImage, volume_image
+from wm3d.schemes import range_dct
+
+MODELS = {"bunny-closed": 0.63, "happy-buddha-50k": 0.33}
+ATTACKED: list[tuple[str, dict[str, Any]]] = [
+    ("clean", {}),
+    ("gaussian-noise", {"percent": 0.6, "amplitude": "rms-vector"}),
+    ("gaussian-noise", {"percent": 0.6, "amplitude": "per-axis"}),
+    ("simplify", {"ratio": 0.5, "simplifier": "fast-simplification"}),
+    ("simplify", {"ratio": 0.1, "simplifier": "fast-simplification"}),
+    ("stretch", {"percent": 10, "axis": "x"}),
+]
+TABLE = Path(__file__).resolve().parent.parent / "results" / "range_dct" / "ablation.csv"
+
+
+def pca_frame(mesh: Mesh, _reference: SolidMoments | None = None) -> AffineFrame:
+    """Return the paper's pose, `VertexPca`, in the unit of its own vertices."""
+    cylinder = VertexPca()(mesh)
+    size = math.sqrt(((mesh.vertices - mesh.vertices.mean(axis=0)) ** 2).sum(axis=1).mean())
+    return AffineFrame(cylinder.center, cylinder.axes / size)
+
+
+def first_surface(
+    posed: FloatArray, faces: Any, grid: tuple[int, int], hmin: float, height: float, outward: int
+) -> VolumeImage:
+    """Return the volume behind the first surface that the ray of each cell meets, as if all were solid."""
+    columns, rows = grid
+    planes = hmin + (np.arange(rows) + 0.5) * (height / rows)
+    radius = float(np.hypot(posed[:, 1], posed[:, 2]).max())
+    ranges = kernels.cast(posed, faces, planes, columns, radius, outward)
+    distance = np.where(np.isnan(ranges), 0.0, radius - ranges)
+    cell = height / rows * 2 * np.pi / columns
+    areas = volume_image(posed, faces, grid, hmin, height, outward).areas
+    return VolumeImage(0.5 * np.sign(distance) * distance**2 * cell, areas)
+
+
+def frequency_scale(received: FloatArray) -> FloatArray:
+    """Return a scale for each frequency alone, the same in all blocks, as the paper's detector has it."""
+    return np.broadcast_to(np.abs(received).mean(axis=0), received.shape).copy()
+
+
+def no_offset(scheme: range_dct.RangeDct) -> range_dct.RangeDct:
+    """Return the scheme for a frame whose origin is not the solid's centroid."""
+    assert scheme.reference is not None
+    return scheme.model_copy(update={"reference": scheme.reference.model_copy(update={"offset": (0, 0, 0)})})
+
+
+WITHOUT: dict[str, list[Any]] = {
+    "nothing (range-dct as it is)": [],
+    "moments of the solid: vertex-PCA pose": [
+        patch.object(range_dct, "principal_frame", pca_frame),
+        patch.object(range_dct, "fitted_frame", pca_frame),
+    ],
+    "volumes: first surface of one ray a cell": [patch.object(range_dct, "volume_image", first_surface)],
+    "smoothing of crumpled surfaces": [patch.object(denoise, "CRUMPLED", math.inf)],
+    "block activity: scale by frequency": [patch.object(shaped_dct, "activity_scale", frequency_scale)],
+    "shaping: all amplitudes equal": [patch.object(shaped_dct, "SHAPING", 0.0)],
+    "generalized Gaussian: linear detector": [patch.object(shaped_dct, "SHAPE", 2.0)],
+}
+
+
+@contextmanager
+def without(patches: list[Any]) -> Iterator[None]:
+    """Apply patches for a while."""
+    with ExitStack() as stack:
+        for change in patches:
+            stack.enter_context(change)
+        yield
+
+
+def measured(mesh: Mesh, alpha: float, attack: Attack, keys: int, *, posed_by_vertices: bool) -> list[float]:
+    """Return z of each key after the attack."""
+    z = []
+    for key in range(keys):
+        marked, scheme = range_dct.RangeDct(alpha=alpha).embed(mesh, key)
+        if posed_by_vertices:
+            scheme = no_offset(scheme)
+        z.append(scheme.score(attack(marked, np.random.default_rng(key)), key).z)
+    return z
+
+
+def main(keys: int) -> None:
+    lines = []
+    for name, alpha in MODELS.items():
+        mesh = datasets.load(name)
+        for ingredient, patches in WITHOUT.items():
+            for attack_name, parameters in ATTACKED:
+                attack = ATTACKS.build(attack_name, parameters)
+                with without(patches):
+                    z = measured(mesh, alpha, attack, keys, posed_by_vertices="vertex-PCA" in ingredient)
+                mean, error = np.mean(z), np.std(z, ddof=1) / math.sqrt(keys)
+                lines.append((name, ingredient, attack.label(), keys, round(mean, 2), round(error, 2)))
+                print(f"{name:18s}{ingredient:42s}{attack.label():36s}{mean:7.1f} ± {error:.1f}", flush=True)
+    columns = ["mesh", "without", "attack", "keys", "z_mean", "standard_error"]
+    write_whole(TABLE, pd.DataFrame(lines, columns=columns).to_csv(index=False).encode())
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--keys", type=int, default=20)
+    main(**vars(parser.parse_args()))

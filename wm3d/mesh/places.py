@@ -1,0 +1,27 @@
+"""Vertices that lie in one place, as at the seams of a model and all over an unwelded (STL) one."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wm3d.arrays import FloatArray, IntArray
+
+_DIRECTION = (0.5390, 0.7318, 0.4173)
+
+
+class Places(NamedTuple):
+    """The places of n vertices: a vertex of each, (p,), and the place of each vertex, (n,)."""
+
+    first: IntArray
+    place: IntArray
+
+
+def places(vertices: FloatArray) -> Places:
+    """Return which of (n, 3) vertices have the same coordinates.
+
+    Equal coordinates have equal dot products with any direction, and others differ for one chosen at random.
+    """
+    x, y, z = _DIRECTION
+    along = vertices[:, 0] * x + vertices[:, 1] * y + vertices[:, 2] * z
+    _, first, place = np.unique(along, return_index=True, return_inverse=True)
+    return Places(first, place)
