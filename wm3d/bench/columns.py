@@ -48,5 +48,21 @@ FALSE_ALARMS = {
 """One row a threshold `z`: how many of the random `keys` reached it, the 95 % interval of Pf from
 independent batches of keys, and log10 of the exact tail."""
 
-COLUMNS = {"trials": TRIALS, "false-alarms": FALSE_ALARMS}
+CALIBRATION = {
+    "mesh": "str",
+    "scheme": "str",
+    "method": "str",
+    "budget": "str",
+    "metric": "str",
+    "wanted": "float64",
+    "reached": "float64",
+    "parameter": "str",
+    "strength": "float64",
+    "seconds": "float64",
+    "error": "str",
+}
+"""One row a mesh, scheme and budget. `scheme` names the budget too, `method` does not; `parameter` is the one
+that was set to `strength`. Where no strength meets the budget, both numbers are NaN and `error` says so."""
+
+COLUMNS = {"trials": TRIALS, "false-alarms": FALSE_ALARMS, "calibration": CALIBRATION}
 """By `wm3d.bench.plan.Cell.kind`."""

@@ -1,6 +1,7 @@
 """The experiment config: what a YAML file may say, checked strictly and all faults at once."""
 
 import json
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -8,7 +9,9 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
+    Discriminator,
     Field,
+    Tag,
     ValidationError,
     ValidationInfo,
     field_validator,
@@ -20,6 +23,7 @@ from wm3d.bench.suites import load_suite
 from wm3d.bench.yamlfile import Document, read_yaml
 from wm3d.component import Component
 from wm3d.errors import Wm3dError
+from wm3d.metrics import Budget
 from wm3d.registry import OneOf
 from wm3d.schemes import SCHEMES, Scheme
 
@@ -31,6 +35,24 @@ class _Strict(BaseModel):
 def _known_suite(name: str) -> str:
     load_suite(name)
     return name
+
+
+def _listed(budgets: Budget | tuple[Budget, ...]) -> tuple[Budget, ...]:
+    return (budgets,) if isinstance(budgets, Budget) else budgets
+
+
+def _finite(budgets: Budget | tuple[Budget, ...]) -> Budget | tuple[Budget, ...]:
+    for budget in _listed(budgets):
+        if not math.isfinite(budget.value):
+            raise ValueError(f"{budget.in_words()} cannot be reached")
+    return budgets
+
+
+Budgets = Annotated[
+    Annotated[Budget, Tag("budget")] | Annotated[tuple[Budget, ...], Tag("budgets")],
+    Discriminator(lambda value: "budget" if isinstance(value, dict | Budget) else "budgets"),
+    AfterValidator(_finite),
+]
 
 
 class Case(_Strict):
@@ -72,6 +94,9 @@ class Experiment(_Strict):
         Random keys drawn for the Monte Carlo false-alarm curve of each mesh, scheme and attack; 0 for none.
     pf : tuple of float
         False-alarm probabilities at which tables quote Pd.
+    calibrate : Budget or tuple of Budget
+        Distortions at which schemes are compared: on each mesh the strength of each scheme is set to meet
+        each budget, whatever strength its case names. Without budgets every scheme has the strength it names.
     cases : tuple of Case
     suites : tuple of str
         Lists of attacks that come with wm3d, by name; their attacks are run after those listed.
@@ -93,6 +118,7 @@ class Experiment(_Strict):
         1e-8,
         1e-12,
     )
+    calibrate: Budgets = ()
     cases: Annotated[tuple[Case, ...], Field(min_length=1)]
     suites: Annotated[tuple[Annotated[str, AfterValidator(_known_suite)], ...], Field(exclude=True)] = ()
     attacks: Annotated[tuple[Annotated[Attack, OneOf(ATTACKS)], ...], Field(validate_default=True)] = ()
@@ -106,6 +132,11 @@ class Experiment(_Strict):
         if not merged and "suites" in info.data:
             raise ValueError("must have 1 or more items, or name suites")
         return tuple(dict.fromkeys(merged))
+
+    @property
+    def budgets(self) -> tuple[Budget, ...]:
+        """The budgets of `calibrate`, also where it is one alone."""
+        return _listed(self.calibrate)
 
     @property
     def mesh_names(self) -> list[str]:

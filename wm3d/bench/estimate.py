@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from rich.table import Table
 
-from wm3d.bench.plan import Cell, FalseAlarmCell, Task, TrialCell, tasks
+from wm3d.bench.plan import CalibrationCell, Cell, FalseAlarmCell, Task, TrialCell, tasks, uncalibrated
 from wm3d.bench.progress import duration
 from wm3d.bench.summary import table_console
 from wm3d.bench.trial import THRESHOLDS
@@ -18,6 +18,9 @@ from wm3d.stats import hadamard_keys
 
 SAMPLE_KEYS = 1 << 22
 """Random keys that are timed to tell what one costs."""
+
+EMBEDDINGS = 10
+"""Marked meshes that a calibration makes and measures, about; a measurement takes as long as a reading."""
 
 Setting = tuple[str, str, str]
 """Mesh, scheme and attack, by their labels."""
@@ -44,7 +47,7 @@ def print_estimate(
     """Print the plan, what of it is there, and the time that the rest needs."""
     costs = measured(missing, meshes)
     console = table_console()
-    schemes = dict.fromkeys((cell.mesh, cell.scheme.label()) for cell in cells)
+    schemes = dict.fromkeys(setting(cell)[:2] for cell in cells)
     for mesh, scheme in schemes:
         console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
         console.print(_table(mesh, scheme, cells, missing, costs))
@@ -83,8 +86,9 @@ def _table(
 
 
 def setting(cell: Cell) -> Setting:
-    """Return what a trial's cost depends on."""
-    return cell.mesh, cell.scheme.label(), cell.attack.label()
+    """Return what a trial's cost depends on: not on the strength that meets a budget."""
+    scheme = uncalibrated(cell.scheme) if cell.budget else cell.scheme
+    return cell.mesh, scheme.label(), cell.attack.label()
 
 
 def measured(cells: Iterable[Cell], meshes: Mapping[str, Mesh]) -> dict[Setting, Cost]:
@@ -116,6 +120,9 @@ def seconds(todo: Iterable[Task], costs: Mapping[Setting, Cost]) -> float:
     total = 0.0
     for task in todo:
         first = task.cells[0]
+        if isinstance(first, CalibrationCell):
+            total += EMBEDDINGS * (costs[setting(first)].embed + costs[setting(first)].read)
+            continue
         total += (first.stop - first.start) * costs[setting(first)].embed
         for cell in task.cells:
             cost = costs[setting(cell)]

@@ -53,6 +53,7 @@ def manifest(
         "sigma_percent": {name: _noise(experiment, mesh) for name, mesh in meshes.items()},
         "lost_trials": lost_trials,
         "cells": [cell.digest for cell in cells if cell.kind == "trials"],
+        "calibration_cells": [cell.digest for cell in cells if cell.kind == "calibration"],
         "false_alarm_cells": [cell.digest for cell in cells if cell.kind == "false-alarms"],
     }
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"

@@ -2,16 +2,18 @@
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.metadata import version
 from typing import Any, ClassVar, Literal
 
-from wm3d.attacks import Attack
+from wm3d.attacks import Attack, Clean
 from wm3d.bench.config import Experiment
 from wm3d.component import Component
 from wm3d.mesh import Mesh
+from wm3d.metrics import Budget
 from wm3d.schemes import Scheme
 
 ROWS_VERSION = 1
@@ -28,6 +30,8 @@ class Cell:
     ----------
     start, stop : int
         Trials start ≤ t < stop; a trial's key and noise follow from its number.
+    budget : Budget, optional
+        The distortion to which the strength of the scheme was set.
     """
 
     kind: ClassVar[str]
@@ -39,12 +43,20 @@ class Cell:
     attack: Attack
     start: int
     stop: int
+    budget: Budget | None = field(default=None, kw_only=True)
 
     @cached_property
     def digest(self) -> str:
         """Name of the cell: 20 hex digits of the sha256 of its identity."""
         canonical = json.dumps(self.identity(), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()[:20]
+
+    @property
+    def label(self) -> str:
+        """Legend text of the scheme; a budget stands in place of the strength that meets it."""
+        if self.budget is None:
+            return self.scheme.label()
+        return f"{uncalibrated(self.scheme).label()} at {self.budget.label()}"
 
     @property
     def trials(self) -> int:
@@ -58,7 +70,8 @@ class Cell:
 
     def identity(self) -> dict[str, Any]:
         """Return all that the numbers of this cell depend on, as plain JSON values."""
-        return {
+        budget = {"budget": self.budget.model_dump()} if self.budget else {}
+        return budget | {
             "rows": ROWS_VERSION,
             "kind": self.kind,
             "seed": self.seed,
@@ -124,6 +137,13 @@ class FalseAlarmCell(Cell):
 
 
 @dataclass(frozen=True)
+class CalibrationCell(Cell):
+    """The strength at which a scheme meets its budget on a mesh, found with one key; nothing is attacked."""
+
+    kind: ClassVar[str] = "calibration"
+
+
+@dataclass(frozen=True)
 class Task:
     """What one worker does at a time: cells with the same marked meshes, so each mark is embedded once."""
 
@@ -144,7 +164,9 @@ class Task:
         return [Task((cell,)) for cell in self.cells]
 
 
-def plan(experiment: Experiment, meshes: Mapping[str, Mesh]) -> list[Cell]:
+def plan(
+    experiment: Experiment, meshes: Mapping[str, Mesh], strengths: Mapping[str, float] | None = None
+) -> list[Cell]:
     """Expand an experiment into its cells.
 
     Parameters
@@ -152,42 +174,81 @@ def plan(experiment: Experiment, meshes: Mapping[str, Mesh]) -> list[Cell]:
     experiment : Experiment
     meshes : mapping of str to Mesh
         Every mesh that the experiment names.
+    strengths : mapping of str to float, optional
+        Strengths by the digests of `calibrations`; those that are NaN have no cells, those that are not
+        there yet are planned at the strength at which the calibration starts.
     """
     digests = {name: mesh.digest() for name, mesh in meshes.items()}
-    cells = [
-        cell
+    if experiment.budgets:
+        settings: list[tuple[str, Scheme, Budget | None]] = [
+            (cell.mesh, _of_strength(cell.scheme, strength), cell.budget)
+            for cell in calibrations(experiment, meshes)
+            if (strength := (strengths or {}).get(cell.digest)) is None or not math.isnan(strength)
+        ]
+    else:
+        settings = [
+            (mesh, scheme, None)
+            for case in experiment.cases
+            for mesh in case.meshes
+            for scheme in case.schemes
+        ]
+    return _unique(cell for setting in settings for cell in _cells_of(experiment, digests, *setting))
+
+
+def calibrations(experiment: Experiment, meshes: Mapping[str, Mesh]) -> list[Cell]:
+    """Return a cell for each mesh, scheme and budget of an experiment; none without budgets."""
+    return _unique(
+        CalibrationCell(
+            experiment.seed, mesh, meshes[mesh].digest(), uncalibrated(scheme), Clean(), 0, 1, budget=budget
+        )
+        for budget in experiment.budgets
         for case in experiment.cases
         for mesh in case.meshes
         for scheme in case.schemes
-        for cell in _cells_of(experiment, mesh, digests, scheme)
-    ]
-    return list({cell.digest: cell for cell in cells}.values())  # a mesh or attack named twice is run once
+    )
+
+
+def uncalibrated(scheme: Scheme) -> Scheme:
+    """Return a scheme with the default of its strength, where it has one."""
+    strength = type(scheme).model_fields[scheme.strength]
+    return scheme if strength.is_required() else _of_strength(scheme, strength.default)
+
+
+def _of_strength(scheme: Scheme, strength: float | None) -> Scheme:
+    return scheme if strength is None else scheme.model_copy(update={scheme.strength: strength})
+
+
+def _unique(cells: Iterable[Cell]) -> list[Cell]:
+    """Keep each cell once: a mesh or attack named twice is run once."""
+    return list({cell.digest: cell for cell in cells}.values())
 
 
 def _cells_of(
-    experiment: Experiment, mesh: str, digests: Mapping[str, str], scheme: Scheme
+    experiment: Experiment, digests: Mapping[str, str], mesh: str, scheme: Scheme, budget: Budget | None
 ) -> Iterator[Cell]:
     for start in range(0, experiment.trials, experiment.block):
         stop = min(start + experiment.block, experiment.trials)
         for attack in experiment.attacks:
             block = (experiment.seed, mesh, digests[mesh], scheme, attack, start, stop)
-            yield TrialCell(*block, "H1", experiment.wrong_keys)
+            yield TrialCell(*block, "H1", experiment.wrong_keys, budget=budget)
             if experiment.unmarked:
-                yield TrialCell(*block, "H0-unmarked")
+                yield TrialCell(*block, "H0-unmarked", budget=budget)
             for other in experiment.cross_meshes:
                 if digests[other] != digests[mesh]:
-                    yield TrialCell(*block, "H0-other-mesh", other=(other, digests[other]))
+                    crossed = (other, digests[other])
+                    yield TrialCell(*block, "H0-other-mesh", other=crossed, budget=budget)
     if experiment.false_alarm_trials:
         for attack in experiment.attacks:
             first = (experiment.seed, mesh, digests[mesh], scheme, attack, 0, 1)
-            yield FalseAlarmCell(*first, experiment.false_alarm_trials)
+            yield FalseAlarmCell(*first, experiment.false_alarm_trials, budget=budget)
 
 
 def tasks(cells: list[Cell]) -> list[Task]:
     """Group cells that share mesh, scheme and trials."""
-    groups: dict[tuple[str, str, int, int], list[Cell]] = {}
+    groups: dict[tuple[str, str, str, int, int], list[Cell]] = {}
     for cell in cells:
-        key = (cell.mesh_digest, json.dumps(cell.scheme.identity(), sort_keys=True), cell.start, cell.stop)
+        scheme = json.dumps(cell.scheme.identity(), sort_keys=True)
+        key = (cell.label, scheme, cell.mesh_digest, cell.start, cell.stop)
         groups.setdefault(key, []).append(cell)
     return [Task(tuple(group)) for group in groups.values()]
 

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from wm3d.bench import figures
-from wm3d.bench.columns import FALSE_ALARMS, TRIALS
+from wm3d.bench.columns import CALIBRATION, FALSE_ALARMS, TRIALS
 from wm3d.bench.config import load_experiment
 from wm3d.bench.curves import false_alarm_figure, roc_figure
 from wm3d.bench.findings import quoted_pf
@@ -58,9 +58,13 @@ def write_report(run_dir: str | Path) -> Report:
     experiment = load_experiment(directory.path / "config.yaml")
     rows = read_rows(directory, manifest["cells"])
     false_alarms = read_rows(directory, manifest["false_alarm_cells"], FALSE_ALARMS)
+    # runs of earlier versions have no calibration
+    calibration = read_rows(directory, manifest.get("calibration_cells", []), CALIBRATION)
     directory.create()  # a copy of a run may lack its empty folders
     sigmas: Sigmas = manifest.get("sigma_percent", {})  # runs of earlier versions have none
     tables = all_tables(rows, experiment.pf, false_alarms, sigmas)
+    if len(calibration):
+        tables["calibration"] = calibration
     directory.write_tables(tables)
     credits = {name: mesh["credit"] for name, mesh in manifest["meshes"].items()}
     drawn = _figures(rows, tables, credits, sigmas, quoted_pf(experiment.pf))

@@ -1,17 +1,20 @@
 """One experiment from config to figures: plan, run what is missing, report what is there."""
 
+import math
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+import pandas as pd
+
 from wm3d.bench.columns import COLUMNS
 from wm3d.bench.config import load_experiment
 from wm3d.bench.estimate import print_estimate
 from wm3d.bench.execute import default_workers, execute
 from wm3d.bench.manifest import manifest
-from wm3d.bench.plan import Cell, plan, tasks
+from wm3d.bench.plan import Cell, calibrations, plan, tasks
 from wm3d.bench.progress import reporter
 from wm3d.bench.report import write_report
 from wm3d.bench.store import DamagedCellError, RunDirectory
@@ -72,8 +75,9 @@ def run_config(
     directory = RunDirectory(out or Path("runs") / experiment.name)
     workers = workers or default_workers()
     meshes = {name: datasets.resolve(name) for name in experiment.mesh_names}
-    cells = plan(experiment, meshes)
+    first = calibrations(experiment, meshes)
     if dry_run:
+        cells = [*first, *plan(experiment, meshes, _strengths(first, directory))]
         missing = [cell for cell in cells if not _held(cell, directory)]
         print_estimate(experiment.name, cells, missing, meshes, workers)
         return Outcome(directory.path, 0)
@@ -81,13 +85,22 @@ def run_config(
     with directory.locked():
         started = datetime.now(UTC)
         directory.begin(write_yaml(experiment.model_dump(mode="json")))
-        lost = _run_missing(cells, meshes, directory, workers, dask)
-        stored = [cell for cell in cells if cell not in lost]
+        lost = _run_missing(first, meshes, directory, workers, dask) if first else []
+        strengths = dict.fromkeys((cell.digest for cell in lost), math.nan) | _strengths(first, directory)
+        cells = plan(experiment, meshes, strengths)
+        lost += _run_missing(cells, meshes, directory, workers, dask)
+        stored = [cell for cell in [*first, *cells] if cell not in lost]
         lost_trials = sum(cell.trials for cell in lost)
         directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost_trials))
         failed = write_report(directory.path).failed
         print_summary(directory)
     return Outcome(directory.path, lost_trials + failed)
+
+
+def _strengths(calibrated: list[Cell], directory: RunDirectory) -> dict[str, float]:
+    """Return the strengths that the directory holds, by the digest of their calibration."""
+    held = {cell.digest: _rows(cell, directory) for cell in calibrated}
+    return {digest: float(rows["strength"].iloc[0]) for digest, rows in held.items() if rows is not None}
 
 
 def _run_missing(
@@ -113,7 +126,7 @@ def _tell_lost(cells: Iterable[Cell]) -> None:
     """Say which trials have no rows because their worker died."""
     lost: dict[tuple[str, str, str], int] = {}
     for cell in cells:
-        names = (cell.mesh, cell.scheme.label(), cell.attack.label())
+        names = (cell.mesh, cell.label, cell.attack.label())
         lost[names] = lost.get(names, 0) + cell.trials
     for names, trials in lost.items():
         print(
@@ -124,8 +137,13 @@ def _tell_lost(cells: Iterable[Cell]) -> None:
 
 
 def _held(cell: Cell, directory: RunDirectory) -> bool:
+    return _rows(cell, directory) is not None
+
+
+def _rows(cell: Cell, directory: RunDirectory) -> pd.DataFrame | None:
+    """Return the rows of a cell, None if there are none that can be used."""
     try:
-        return directory.read_cell(cell.digest, COLUMNS[cell.kind]) is not None
+        return directory.read_cell(cell.digest, COLUMNS[cell.kind])
     except DamagedCellError as error:
         print(error, file=sys.stderr)
-        return False
+        return None

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from wm3d.bench.calibration import calibration_row
 from wm3d.bench.columns import COLUMNS
-from wm3d.bench.plan import Cell, FalseAlarmCell, Task, TrialCell
+from wm3d.bench.plan import CalibrationCell, Cell, FalseAlarmCell, Task, TrialCell
 from wm3d.bench.seeds import derived_seed
 from wm3d.bench.subjects import Subjects
 from wm3d.mesh import Mesh
@@ -48,6 +49,8 @@ def run_task(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
                 rows[cell.digest] += _trial_rows(cell, trial, subjects)
             elif isinstance(cell, FalseAlarmCell):
                 rows[cell.digest] += _false_alarm_rows(cell, trial, subjects)
+            elif isinstance(cell, CalibrationCell):
+                rows[cell.digest].append(calibration_row(cell, meshes[cell.mesh]))
     return {
         cell.digest: pd.DataFrame(rows[cell.digest], columns=list(COLUMNS[cell.kind])).astype(
             COLUMNS[cell.kind]
@@ -59,7 +62,7 @@ def run_task(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
 def _names(cell: Cell) -> Row:
     return {
         "mesh": cell.mesh,
-        "scheme": cell.scheme.label(),
+        "scheme": cell.label,
         "scheme_parameters": cell.scheme.model_dump_json(),
         "attack": cell.attack.label(),
         "attack_parameters": cell.attack.model_dump_json(),

@@ -1,0 +1,115 @@
+"""Calibration: every scheme meets the budget on every mesh, once; one that cannot is left out and said."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from shapes import blob
+
+from wm3d.attacks import Clean
+from wm3d.bench import Experiment, load_experiment, run_config, write_report
+from wm3d.bench.plan import calibrations, plan
+from wm3d.mesh import load_mesh
+from wm3d.metrics import Budget
+from wm3d.schemes import Song2002
+from wm3d.schemes.cho2007 import Cho2007Variance
+
+CONFIG = """\
+name: fair
+trials: 2
+block: 1
+wrong_keys: 0
+calibrate:
+  - {{metric: snr, value: 45}}
+  - {{metric: mrms, value: 0.3}}
+cases:
+  - meshes: [{mesh}]
+    schemes:
+      - {{name: song2002, grid: [24, 24], region: [4, 0, 16, 24]}}
+      - {{name: cho2007-variance}}
+attacks: [{{name: clean}}, {{name: similarity}}]
+"""
+SONG, VARIANCE = "song2002 grid=24×24 region=4,0,16,24", "cho2007-variance"
+
+
+@pytest.fixture(scope="module")
+def fair(tmp_path_factory: pytest.TempPathFactory, blobs: Path) -> Path:
+    """Run directory of `CONFIG`."""
+    folder = tmp_path_factory.mktemp("fair")
+    (folder / "fair.yaml").write_text(CONFIG.format(mesh=blobs / "one.ply"))
+    return run_config(folder / "fair.yaml", out=folder / "run", workers=1).directory
+
+
+def calibration(run: Path) -> pd.DataFrame:
+    return pd.read_csv(run / "tables" / "calibration.csv").set_index("scheme")
+
+
+def test_schemes_of_one_budget_distort_alike_and_are_named_by_it(fair, blobs):
+    table = calibration(fair)
+    met = table[table["reached"].notna()]
+    assert {f"{SONG} at SNR 45 dB", f"{SONG} at MRMS 0.3 %"} <= set(met.index)
+    assert met.loc[met["metric"] == "snr", "reached"].tolist() == pytest.approx([45.0], abs=0.01)
+    snr = pd.read_csv(fair / "tables" / "snr.csv").set_index("scheme")["snr_db"]
+    other_keys = snr[f"{SONG} at SNR 45 dB"]
+    assert other_keys == pytest.approx(45.0, abs=0.3)
+    rows = pd.read_csv(fair / "tables" / "detection.csv")
+    assert set(rows["scheme"]) == set(met.index)
+    mesh = load_mesh(blobs / "one.ply")
+    strength = met.loc[f"{SONG} at MRMS 0.3 %", "strength"]
+    scheme = Song2002(grid=(24, 24), region=(4, 0, 16, 24), alpha=strength)
+    marked, _ = scheme.embed(mesh, 99)
+    assert Budget(metric="mrms", value=0.3).measured(mesh, marked) == pytest.approx(0.3, rel=0.1)
+
+
+def test_a_scheme_that_cannot_meet_the_budget_is_left_out_and_the_report_says_so(fair):
+    left_out = calibration(fair)["error"].dropna()
+    assert len(left_out)
+    assert all(scheme.startswith(VARIANCE) for scheme in left_out.index)
+    page = (fair / "report.html").read_text()
+    for sentence in left_out:
+        assert "cannot be set to an " in sentence
+        assert sentence.rpartition(": ")[2].rstrip(".") in page
+
+
+def test_a_run_that_goes_on_calibrates_nothing_again(fair, monkeypatch):
+    before = {file.name: file.stat().st_mtime_ns for file in (fair / "cells").iterdir()}
+    monkeypatch.setattr(Song2002, "at_distortion", None)  # calling it would fail
+    monkeypatch.setattr(Cho2007Variance, "at_distortion", None)
+    run_config(fair.parent / "fair.yaml", out=fair, workers=1)
+    assert {file.name: file.stat().st_mtime_ns for file in (fair / "cells").iterdir()} == before
+    write_report(fair)
+
+
+def test_strength_and_budget_name_the_cells():
+    meshes = {"one": blob(seed=1, subdivisions=2)}
+    fields = {"name": "e", "trials": 1, "attacks": [Clean()]}
+
+    def cells(alpha: float, *budgets: Budget, strength: float = 2.0) -> list[str]:
+        cases = [{"meshes": ["one"], "schemes": [Song2002(alpha=alpha)]}]
+        experiment = Experiment(**fields, cases=cases, calibrate=budgets)
+        found = {cell.digest: strength for cell in calibrations(experiment, meshes)}
+        return [cell.digest for cell in plan(experiment, meshes, found)]
+
+    weak, strong = Budget(metric="snr", value=50), Budget(metric="snr", value=40)
+    assert cells(1.0, weak) == cells(3.0, weak)  # the strength of the case is not used
+    assert cells(1.0, weak, strength=2.1) != cells(1.0, weak)
+    assert cells(1.0, weak, strong)[0] == cells(1.0, weak)[0] != cells(1.0, strong)[0]
+    assert cells(2.0) != cells(2.0, weak)  # same strength, another name
+    assert cells(1.0, weak, strength=float("nan")) == []
+
+
+def test_one_budget_may_stand_without_a_list(tmp_path):
+    path = tmp_path / "one.yaml"
+    text = CONFIG.format(mesh="bunny")
+    path.write_text(
+        text.replace("calibrate:\n", "calibrate: ").replace("  - {metric: mrms, value: 0.3}\n", "")
+    )
+    path.write_text(path.read_text().replace("  - {metric: snr", "{metric: snr"))
+    assert load_experiment(path).budgets == (Budget(metric="snr", value=45),)
+
+
+def test_manifest_lists_the_calibrations(fair):
+    manifest = json.loads((fair / "manifest.json").read_text())
+    assert len(manifest["calibration_cells"]) == 4
+    assert not set(manifest["calibration_cells"]) & set(manifest["cells"])

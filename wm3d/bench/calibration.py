@@ -1,0 +1,47 @@
+"""Calibration: the strength at which a scheme meets a budget of distortion on a mesh."""
+
+import time
+from typing import Any
+
+from wm3d.bench.plan import CalibrationCell, uncalibrated
+from wm3d.bench.seeds import derived_seed
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh
+
+TOLERANCE = 0.01
+"""How near the distortion comes to the budget, in dB; between keys it varies by more."""
+
+
+def calibration_row(cell: CalibrationCell, mesh: Mesh) -> dict[str, Any]:
+    """Return the row of a calibration, with the columns `wm3d.bench.columns.CALIBRATION`.
+
+    One key serves all schemes and budgets. A scheme that cannot carry a mark in this mesh, or cannot meet the
+    budget, has a row that says so.
+    """
+    scheme, budget = cell.scheme, cell.budget
+    if budget is None:
+        raise ValueError("a calibration needs a budget")
+    seed = derived_seed(cell.seed, cell.mesh_digest, 0, "calibration")
+    strength, reached, error = float("nan"), float("nan"), ""
+    start = time.perf_counter()
+    try:
+        found = scheme.at_distortion(mesh, seed, budget, TOLERANCE)
+        strength = float(getattr(found, found.strength))
+        reached = budget.measured(mesh, found.embed(mesh, seed)[0])
+    except MemoryError:
+        raise  # that is about this machine, not about the scheme
+    except Exception as problem:  # whatever an engine raises fails this scheme, not the run; the row says it
+        error = str(problem) if isinstance(problem, Wm3dError) else f"{type(problem).__name__}: {problem}"
+    return {
+        "mesh": cell.mesh,
+        "scheme": cell.label,
+        "method": uncalibrated(scheme).label(),
+        "budget": budget.label(),
+        "metric": budget.metric,
+        "wanted": budget.value,
+        "reached": reached,
+        "parameter": scheme.strength,
+        "strength": strength,
+        "seconds": time.perf_counter() - start,
+        "error": error,
+    }
