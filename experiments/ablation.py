@@ -2,8 +2,7 @@
 
     WM3D_DATA=folder-with-the-meshes python experiments/ablation.py [--keys 20]
 
-The ingredients are those of the module docstrings of `wm3d.schemes.range_dct` and what it imports; without one
-of them the scheme is otherwise the same, at the same SNR, on the same keys and the same noise.
+Without one of them the scheme is otherwise the same, at the same SNR, on the same keys and the same noise.
 """
 
 import argparse

@@ -1,0 +1,121 @@
+"""Run every config in `configs/range_dct` and refresh `results/range_dct`: tables, figures, README.
+
+    WM3D_DATA=folder-with-the-meshes python experiments/range_dct.py [--trials N] [--report-only]
+
+What an earlier call has run is kept; more trials add to it. The ablation is `experiments/ablation.py`.
+"""
+
+import argparse
+import shutil
+from pathlib import Path
+
+import pandas as pd
+from jinja2 import Environment, StrictUndefined
+
+from wm3d.bench import run_config
+from wm3d.bench.store import RunDirectory
+from wm3d.mesh import write_whole
+
+ROOT = Path(__file__).resolve().parent.parent
+CONFIGS = {
+    name: ROOT / "configs" / "range_dct" / f"{name}.yaml"
+    for name in ("paper_attacks", "other_attacks", "nulls")
+}
+RESULTS = RunDirectory(ROOT / "results" / "range_dct")
+TEMPLATE = Path(__file__).with_name("range_dct_readme.md.j2")
+KEPT = [
+    "mesh", "scheme", "attack", "sigma_percent", "trials", "failed", "unreadable", "z_mean", "z_std",
+    "d_prime", "d_prime_low", "d_prime_high", "pd_1e-06", "pd_1e-06_low", "pd_1e-06_high",
+    "pd_1e-12", "pd_1e-12_low", "pd_1e-12_high",
+]  # fmt: skip
+
+
+def run_all(runs: Path, trials: int | None, workers: int | None) -> None:
+    """Run what is missing."""
+    for name, config in CONFIGS.items():
+        overrides = [] if trials is None else [f"trials={trials}"]
+        run_config(config, out=runs / name, workers=workers, overrides=overrides)
+
+
+def write_results(runs: Path) -> None:
+    """Write results/range_dct from the run directories as they are."""
+    for folder in ("tables", "figures"):
+        (RESULTS.path / folder).mkdir(parents=True, exist_ok=True)
+    tables = {}
+    for name in CONFIGS:
+        table = runs / name / "tables" / "detection.csv"
+        if table.exists():
+            detection = pd.read_csv(table)
+            tables[name] = detection[[column for column in KEPT if column in detection]]
+        for figure in ("heatmap", "roc"):
+            image = runs / name / "figures" / f"{figure}.png"
+            if image.exists() and name != "nulls":
+                shutil.copyfile(image, RESULTS.path / "figures" / f"{name}_{figure}.png")
+    nulls = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv") if "nulls" in tables else pd.DataFrame()
+    RESULTS.write_tables(
+        {**tables, **({"nulls": nulls} if len(nulls) else {}), "beside_song2002": ratios(tables)}
+    )
+    write_whole(RESULTS.path / "README.md", page(tables, nulls).encode())
+
+
+def ratios(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return d' of both schemes and their ratio, for each mesh and attack of the paper's kind."""
+    lines = tables["paper_attacks"]
+    robust, paper = (
+        lines[lines["scheme"].str.startswith(name)].set_index(["mesh", "attack"])
+        for name in ("range-dct", "song2002")
+    )
+    both = robust.join(paper, lsuffix="_range_dct", rsuffix="_song2002", how="inner")
+    ratio = both["d_prime_range_dct"] / both["d_prime_song2002"].where(both["d_prime_song2002"] > 0)
+    columns = [f"{what}_{who}" for what in ("d_prime", "pd_1e-06") for who in ("range_dct", "song2002")]
+    return both[columns].assign(d_prime_ratio=ratio).reset_index()
+
+
+def page(tables: dict[str, pd.DataFrame], nulls: pd.DataFrame) -> str:
+    """Return the page that goes with the tables."""
+    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    ablation = RESULTS.path / "ablation.csv"
+    paper = tables["paper_attacks"]
+    return (
+        environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
+        .render(
+            trials={name: int(table["trials"].max()) for name, table in tables.items()},
+            paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
+            ratios=ratios(tables).to_dict("records"),
+            other=pivot(tables["other_attacks"]) if "other_attacks" in tables else {},
+            nulls=nulls.to_dict("records"),
+            ablation=ablation_table(pd.read_csv(ablation)) if ablation.exists() else {},
+        )
+        .rstrip()
+        + "\n"
+    )
+
+
+def pivot(detection: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
+    """Return the lines of a table by attack and mesh, in the order of the configs."""
+    lines: dict[str, dict[str, dict[str, float]]] = {}
+    for line in detection.to_dict("records"):
+        lines.setdefault(line["attack"], {})[line["mesh"]] = line
+    return lines
+
+
+def ablation_table(table: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
+    """Return z by mesh, ingredient and attack."""
+    lines: dict[str, dict[str, dict[str, float]]] = {}
+    for line in table.to_dict("records"):
+        lines.setdefault(line["mesh"], {}).setdefault(line["without"], {})[line["attack"]] = line["z_mean"]
+    return lines
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--runs", type=Path, default=Path("runs/range_dct"), help="where the runs are kept")
+    parser.add_argument("--trials", type=int, help="keys a cell, instead of those of the configs")
+    parser.add_argument("--workers", type=int)
+    parser.add_argument("--report-only", action="store_true", help="run nothing")
+    options = parser.parse_args()
+    if not options.report_only:
+        run_all(options.runs, options.trials, options.workers)
+    write_results(options.runs)
