@@ -8,8 +8,11 @@ from typing import Any
 import pandas as pd
 
 from wm3d.bench.config import Experiment
+from wm3d.bench.ranking import METHOD, interval_words
 from wm3d.bench.summary import DETECTED, LOST
 from wm3d.component import Component
+from wm3d.errors import Wm3dError
+from wm3d.schemes import Scheme
 from wm3d.stats import DEFAULT_PF
 
 FOUND, AT_TIMES, GONE, UNTRIED = "found", "found at times", "lost", "not tried"
@@ -82,17 +85,17 @@ class Statistic:
         Label of its detector; empty where it has none of its own.
     meaning : str
         First line of the documentation of the detector.
-    signs : int
-        n, the signs in a key.
+    signs : int or None
+        n, the signs in a key; None where that depends on the mesh.
     log10_least : float
-        log10 of the least Pf that any detector of n signs attains: one key among 2^n.
+        log10 of the least Pf that any detector of n signs attains: one key among 2^n; NaN without n.
     """
 
     scheme: str
     source: str
     detector: str
     meaning: str
-    signs: int
+    signs: int | None
     log10_least: float
 
 
@@ -104,21 +107,60 @@ def statistics(experiment: Experiment) -> list[Statistic]:
         detector = getattr(scheme, "detector", None)
         if not isinstance(detector, Component):
             detector = None
+        signs = _signs(scheme)
         found.append(
             Statistic(
                 scheme=scheme.label(),
                 source=_first_line(scheme),
                 detector=detector.label() if detector else "",
                 meaning=_first_line(detector) if detector else "",
-                signs=scheme.capacity,
-                log10_least=-scheme.capacity * math.log10(2),
+                signs=signs,
+                log10_least=math.nan if signs is None else -signs * math.log10(2),
             )
         )
     return found
 
 
+def _signs(scheme: Scheme) -> int | None:
+    try:
+        return scheme.capacity
+    except Wm3dError:  # known once a mesh is marked
+        return None
+
+
 def _first_line(component: object) -> str:
     return (type(component).__doc__ or "").partition("\n")[0].rstrip(".")
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """What a ranking says.
+
+    Attributes
+    ----------
+    orders : dict of str to list of dict
+        The lines of the ranking by budget, best first, those without a rank last.
+    left_out : list of str
+        Why schemes have no numbers on a mesh, a sentence each.
+    method : str
+    """
+
+    orders: dict[str, list[dict[str, Any]]]
+    left_out: list[str]
+    method: str
+
+
+def ranking(tables: Mapping[str, pd.DataFrame]) -> Ranking | None:
+    """Return what the ranking of a run says, None where its schemes were not calibrated."""
+    if "leaderboard" not in tables:
+        return None
+    calibration = tables["calibration"]
+    orders = {
+        str(budget): [{str(key): value for key, value in line.items()} for line in group.to_dict("records")]
+        for budget, group in tables["leaderboard"].groupby("budget", sort=False)
+    }
+    left_out = list(calibration.loc[calibration["error"] != "", "error"])
+    return Ranking(orders, left_out, f"{METHOD} {interval_words(calibration['mesh'].nunique())}")
 
 
 def null_scores(rows: pd.DataFrame) -> dict[str, int]:

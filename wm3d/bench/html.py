@@ -15,7 +15,7 @@ from wm3d.bench import findings
 from wm3d.bench.config import Experiment
 from wm3d.bench.curves import LEAST_LOG10_PF
 from wm3d.bench.figures import power_of_ten
-from wm3d.bench.htmltables import html_table, short_power, shortener
+from wm3d.bench.htmltables import HtmlTable, html_table, short_power, shortener
 from wm3d.bench.readings import readings
 from wm3d.bench.summary import DETECTED
 from wm3d.bench.tables import CELL_KEYS
@@ -26,6 +26,10 @@ HYPOTHESES = {
     "H0-other-mesh": "scores of the trials' keys on other meshes after the same attack",
 }
 """What the scores without the mark are, by hypothesis; others are called by their name."""
+
+
+APART = {"leaderboard", "timing"}
+"""Tables that have a section of their own."""
 
 
 @dataclass(frozen=True)
@@ -79,13 +83,23 @@ def render(run: Run) -> str:
             keys_counted=run.tables["false_alarms"]["keys"].max() if "false_alarms" in run.tables else 0,
             faults=findings.faults(run.rows),
             figures={name: Markup(svg) for name, svg in run.figures.items()},
-            tables=[html_table(name, table) for name, table in run.tables.items() if name != "timing"],
+            tables=[html_table(name, table) for name, table in run.tables.items() if name not in APART],
             timing=html_table("timing", run.tables["timing"]),
             stages=_stages(run.tables["timing"]),
             readings=readings([*schemes, *experiment.attacks]),
             hypotheses=HYPOTHESES,
+            ranking=findings.ranking(run.tables),
+            leaderboard=_leaderboard(run.tables),
+            not_blind=[scheme.label() for scheme in schemes if not scheme.blind],
         )
     )
+
+
+def _leaderboard(tables: Mapping[str, pd.DataFrame]) -> HtmlTable | None:
+    """Return the ranking, without the labels that repeat method and budget."""
+    if "leaderboard" not in tables:
+        return None
+    return html_table("leaderboard", tables["leaderboard"].drop(columns="scheme"))
 
 
 def _stages(timing: pd.DataFrame) -> list[dict[str, Any]]:

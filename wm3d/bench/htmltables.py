@@ -17,6 +17,15 @@ DIGITS = 4
 """Significant digits of the largest number in a column; the others get as many decimals."""
 
 TITLES = {
+    "leaderboard": (
+        "Ranking",
+        "Schemes at equal distortion, best first, by mean Pd over attacks and meshes. Intervals are over "
+        "draws of the meshes. Survived is the share of attacks and meshes at which the mark is found.",
+    ),
+    "calibration": (
+        "Calibration",
+        "The strength at which each scheme meets each budget of distortion on each mesh, set with one key.",
+    ),
     "detection": (
         "Detection",
         "Pd at each Pf with its 95 % Clopper–Pearson interval, from exact p-values. d′ is the mean of z over "
@@ -46,8 +55,8 @@ TITLES = {
     ),
     "timing": (
         "Stages",
-        "Median seconds of each stage of a trial, and the memory in MB that embedding needed beyond what the "
-        "process held.",
+        "Median seconds of each stage of a trial, and the most memory in MB that embedding needed beyond "
+        "what the process held.",
     ),
 }
 """Heading and explanation of the tables by file name; others are called by their file name."""
@@ -75,6 +84,7 @@ HEADINGS = {
     "attack_seconds": "attack, s",
     "score_seconds": "scan and score, s",
     "embed_mb": "embed, MB",
+    "detect_seconds": "scan and score, s",
 }
 
 

@@ -16,9 +16,15 @@ from wm3d.bench.curves import false_alarm_figure, roc_figure
 from wm3d.bench.findings import quoted_pf
 from wm3d.bench.heatmap import LEAST_ATTACKS, heatmap_figure
 from wm3d.bench.html import Run, render
+from wm3d.bench.leaderboard import leaderboard
+from wm3d.bench.quality import quality_figure
+from wm3d.bench.ranking import ranking
 from wm3d.bench.store import RunDirectory
 from wm3d.bench.tables import Sigmas, all_tables
 from wm3d.errors import Wm3dError
+
+MOST_ROC_SETTINGS = 12
+"""Pairs of mesh and scheme up to which a run has a figure of ROC curves; more make a tower of panels."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +69,14 @@ def write_report(run_dir: str | Path) -> Report:
     directory.create()  # a copy of a run may lack its empty folders
     sigmas: Sigmas = manifest.get("sigma_percent", {})  # runs of earlier versions have none
     tables = all_tables(rows, experiment.pf, false_alarms, sigmas)
+    pf = quoted_pf(experiment.pf)
     if len(calibration):
-        tables["calibration"] = calibration
+        ranked = ranking(calibration, tables["detection"], tables["snr"], tables["timing"], pf)
+        tables = {"leaderboard": ranked, "calibration": calibration} | tables
+        directory.write_text("leaderboard.json", leaderboard(experiment, manifest, ranked, calibration, pf))
     directory.write_tables(tables)
     credits = {name: mesh["credit"] for name, mesh in manifest["meshes"].items()}
-    drawn = _figures(rows, tables, credits, sigmas, quoted_pf(experiment.pf))
+    drawn = _figures(rows, tables, credits, sigmas, pf)
     saved = {name: figures.save(figure, directory, name) for name, figure in drawn.items()}
     run = Run(
         experiment=experiment,
@@ -90,10 +99,14 @@ def _figures(
 ) -> dict[str, Figure]:
     """Return the figures by name, as far as there are rows for them."""
     drawn = {}
-    if (rows["hypothesis"] == "H1").any():
+    settings = tables["detection"].groupby(["mesh", "scheme"]).ngroups
+    if 0 < settings <= MOST_ROC_SETTINGS:
         drawn["roc"] = roc_figure(rows, credits, sigmas)
     if tables["detection"]["attack"].nunique() >= LEAST_ATTACKS:
         drawn["heatmap"] = heatmap_figure(tables["detection"], pf, credits)
+    if "leaderboard" in tables and tables["leaderboard"]["score"].notna().any():
+        meshes = dict.fromkeys(tables["calibration"]["mesh"])
+        drawn["quality"] = quality_figure(tables["leaderboard"], pf, meshes, credits)
     if "false_alarms" in tables:
         drawn["false_alarms"] = false_alarm_figure(tables["false_alarms"], credits, sigmas)
     return drawn
