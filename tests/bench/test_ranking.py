@@ -9,7 +9,7 @@ import pytest
 from wm3d.bench import Experiment
 from wm3d.bench.leaderboard import leaderboard
 from wm3d.bench.quality import quality_figure
-from wm3d.bench.ranking import interval_words, ranking
+from wm3d.bench.ranking import interval_words, over_meshes, ranking
 from wm3d.metrics import Budget
 
 PF = 1e-6
@@ -92,6 +92,15 @@ def test_leaderboard_is_strict_json_with_what_it_was_made_from():
     assert content["entries"][2]["strengths"] == {"a": 1.5, "b": 1.5}
     assert content["entries"][0]["bit_error_rate"] is None
     assert (content["meshes"]["a"], content["attacks"], content["pf"]) == ("a" * 64, ["clean"], PF)
+
+
+def test_heat_map_holds_the_mean_over_meshes_of_every_budget_and_scheme():
+    calibration, detection, *_ = tables({"x": (0.1, 0.4, 1.0), "y": (0.0, 0.2, np.nan)})
+    detection = detection[["mesh", "scheme", "pd_1e-06"]]
+    attacked = detection.assign(attack="clean", trials=2, sigma_percent=np.nan, d_prime=3.0)
+    table = over_meshes(calibration, attacked, PF)
+    assert table[["mesh", "scheme"]].to_numpy().tolist() == [["SNR 44 dB", "x"], ["SNR 44 dB", "y"]]
+    assert table["pd_1e-06"].tolist() == pytest.approx([0.5, 0.1])
 
 
 def test_quality_figure_has_a_line_for_each_scheme_at_its_scores():

@@ -3,13 +3,10 @@
 import time
 from typing import Any
 
-from wm3d.bench.plan import CalibrationCell, uncalibrated
+from wm3d.bench.plan import CALIBRATION_DB, CalibrationCell, uncalibrated
 from wm3d.bench.seeds import derived_seed
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
-
-TOLERANCE = 0.01
-"""How near the distortion comes to the budget, in dB; between keys it varies by more."""
 
 
 def calibration_row(cell: CalibrationCell, mesh: Mesh) -> dict[str, Any]:
@@ -25,7 +22,7 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> dict[str, Any]:
     strength, reached, error = float("nan"), float("nan"), ""
     start = time.perf_counter()
     try:
-        found = scheme.at_distortion(mesh, seed, budget, TOLERANCE)
+        found = scheme.at_distortion(mesh, seed, budget, CALIBRATION_DB)
         strength = float(getattr(found, found.strength))
         reached = budget.measured(mesh, found.embed(mesh, seed)[0])
     except MemoryError:

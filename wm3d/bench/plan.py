@@ -19,6 +19,10 @@ from wm3d.schemes import Scheme
 ROWS_VERSION = 1
 """Raised when the columns of a row or the way a trial is made change."""
 
+CALIBRATION_DB = 0.2
+"""How near the distortion comes to a budget: where it jumps with the strength it gets no nearer, and between
+the keys of such schemes it varies by as much and more."""
+
 Hypothesis = Literal["H1", "H0-unmarked", "H0-other-mesh"]
 
 
@@ -141,6 +145,10 @@ class CalibrationCell(Cell):
     """The strength at which a scheme meets its budget on a mesh, found with one key; nothing is attacked."""
 
     kind: ClassVar[str] = "calibration"
+
+    def identity(self) -> dict[str, Any]:
+        """Return all that the numbers of this cell depend on, as plain JSON values."""
+        return super().identity() | {"tolerance": CALIBRATION_DB}
 
 
 @dataclass(frozen=True)

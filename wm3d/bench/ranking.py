@@ -76,6 +76,26 @@ def ranking(
     return table.join(snr.groupby("scheme")["snr_db"].mean(), on="scheme").join(costs, on="scheme")
 
 
+def over_meshes(calibration: pd.DataFrame, detection: pd.DataFrame, pf: float) -> pd.DataFrame:
+    """Average a detection table over the meshes, for a heat map with a column for each budget and scheme.
+
+    Returns
+    -------
+    DataFrame
+        What `wm3d.bench.heatmap.heatmap_figure` draws, with the budget as `mesh` and the method as `scheme`.
+    """
+    named = calibration.drop_duplicates("scheme").set_index("scheme")[["budget", "method"]]
+    table = detection.join(named, on="scheme")
+    means = table.groupby(["budget", "method", "attack"], sort=False).agg(
+        trials=("trials", "sum"),
+        sigma_percent=("sigma_percent", "mean"),
+        d_prime=("d_prime", "mean"),
+        found=(f"pd_{pf:g}", "mean"),
+    )
+    names = {"budget": "mesh", "method": "scheme", "found": f"pd_{pf:g}"}
+    return means.reset_index().rename(columns=names)
+
+
 def _of_budget(calibration: pd.DataFrame, detection: pd.DataFrame, found: str) -> Iterator[dict[str, Any]]:
     """Yield the lines of one budget, best first, then those without a rank."""
     meshes = list(dict.fromkeys(calibration["mesh"]))

@@ -18,7 +18,7 @@ from wm3d.bench.heatmap import LEAST_ATTACKS, heatmap_figure
 from wm3d.bench.html import Run, render
 from wm3d.bench.leaderboard import leaderboard
 from wm3d.bench.quality import quality_figure
-from wm3d.bench.ranking import ranking
+from wm3d.bench.ranking import over_meshes, ranking
 from wm3d.bench.store import RunDirectory
 from wm3d.bench.tables import Sigmas, all_tables
 from wm3d.errors import Wm3dError
@@ -103,7 +103,12 @@ def _figures(
     if 0 < settings <= MOST_ROC_SETTINGS:
         drawn["roc"] = roc_figure(rows, credits, sigmas)
     if tables["detection"]["attack"].nunique() >= LEAST_ATTACKS:
-        drawn["heatmap"] = heatmap_figure(tables["detection"], pf, credits)
+        if "calibration" in tables:
+            shown = over_meshes(tables["calibration"], tables["detection"], pf)
+            owed = "; ".join(dict.fromkeys(filter(None, credits.values()))) or None
+            drawn["heatmap"] = heatmap_figure(shown, pf, dict.fromkeys(shown["mesh"], owed))
+        else:
+            drawn["heatmap"] = heatmap_figure(tables["detection"], pf, credits)
     if "leaderboard" in tables and tables["leaderboard"]["score"].notna().any():
         meshes = dict.fromkeys(tables["calibration"]["mesh"])
         drawn["quality"] = quality_figure(tables["leaderboard"], pf, meshes, credits)
