@@ -47,10 +47,9 @@ def write_results(runs: Path) -> None:
         if table.exists():
             detection = pd.read_csv(table)
             tables[name] = detection[[column for column in KEPT if column in detection]]
-        for figure in ("heatmap", "roc"):
-            image = runs / name / "figures" / f"{figure}.png"
-            if image.exists() and name != "nulls":
-                shutil.copyfile(image, RESULTS.path / "figures" / f"{name}_{figure}.png")
+        image = runs / name / "figures" / "heatmap.png"
+        if image.exists():
+            shutil.copyfile(image, RESULTS.path / "figures" / f"{name}.png")
     nulls = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv") if "nulls" in tables else pd.DataFrame()
     RESULTS.write_tables(
         {**tables, **({"nulls": nulls} if len(nulls) else {}), "beside_song2002": ratios(tables)}
@@ -65,7 +64,7 @@ def ratios(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
         lines[lines["scheme"].str.startswith(name)].set_index(["mesh", "attack"])
         for name in ("range-dct", "song2002")
     )
-    both = robust.join(paper, lsuffix="_range_dct", rsuffix="_song2002", how="inner")
+    both = robust.add_suffix("_range_dct").join(paper.add_suffix("_song2002"), how="inner")
     ratio = both["d_prime_range_dct"] / both["d_prime_song2002"].where(both["d_prime_song2002"] > 0)
     columns = [f"{what}_{who}" for what in ("d_prime", "pd_1e-06") for who in ("range_dct", "song2002")]
     return both[columns].assign(d_prime_ratio=ratio).reset_index()
