@@ -43,12 +43,17 @@ def page(detection: pd.DataFrame, axes: pd.DataFrame) -> str:
         sigma = detection.loc[detection["attack"] == attack, "sigma_percent"]
         unit = "" if sigma.isna().all() else f" (σ {sigma.mean():.3f} %)"
         lines.append(f"| {attack}{unit} |" + "".join(cells))
-    turned = axes[axes["attack"].str.startswith("simplify")].groupby("mesh")["mean_deg"]
+    simplified = axes[axes["attack"].str.startswith("simplify")].groupby("mesh", sort=False)
+    turned = [
+        f"by {line['mean_deg'].mean():.0f}° on {mesh}, and by over 90° in {line['flipped'].mean():.0%} of the "
+        "trials"
+        for mesh, line in simplified
+    ]
     lines += [
         "",
-        "Marks are lost where the pose is: the axes of the vertices turn under simplification (on average by "
-        + ", ".join(f"{value:.0f}° on {mesh}" for mesh, value in turned.mean().items())
-        + ") and under every crop.",
+        "Marks are lost where the pose is. Under simplification the axes of the vertices turn, on average "
+        + "; ".join(turned)
+        + ". Crops move the mean of the vertices and so the axes with it.",
     ]
     return "\n".join(lines) + "\n"
 
