@@ -45,7 +45,7 @@ def page(detection: pd.DataFrame, axes: pd.DataFrame) -> str:
         lines.append(f"| {attack}{unit} |" + "".join(cells))
     simplified = axes[axes["attack"].str.startswith("simplify")].groupby("mesh", sort=False)
     turned = [
-        f"by {line['mean_deg'].mean():.0f}° on {mesh}, and by over 90° in {line['flipped'].mean():.0%} of the "
+        f"by {line['mean_deg'].mean():.0f}° on {mesh}, by over 90° in {line['flipped'].mean():.0%} of the "
         "trials"
         for mesh, line in simplified
     ]
