@@ -1,7 +1,7 @@
 """Run the benchmark and refresh `results/benchmark`: leaderboard, tables, figures, README.
 
     WM3D_DATA=folder-with-the-meshes python experiments/benchmark.py
-    python experiments/benchmark.py --config configs/benchmark_small.yaml --results /tmp/benchmark-small
+    python experiments/benchmark.py --config configs/benchmark_small.yaml --results benchmark-small
 
 What an earlier call has run is kept; a call that was interrupted goes on where it stopped.
 """
