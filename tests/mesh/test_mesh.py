@@ -81,3 +81,12 @@ def test_repr_is_short():
 
 def test_diagonal_of_a_box_is_pythagoras():
     assert box((1, 2, 2)).diagonal == 3
+
+
+def test_read_only_vertices_are_kept_uncopied_and_others_are_not():
+    mesh = tetrahedron()
+    fresh = mesh.vertices + 1.0
+    assert mesh.with_vertices(fresh).vertices is not fresh
+    fresh.flags.writeable = False
+    assert mesh.with_vertices(fresh).vertices is fresh
+    assert mesh.with_vertices(fresh[:]).vertices is not fresh  # a view: its owner may still write

@@ -7,6 +7,7 @@ from shapes import blob, box, icosphere, inside_out, lathe, uv_cylinder
 from wm3d.mesh import Mesh
 from wm3d.scanner import Cylinder, VertexPca, kernels, scan
 from wm3d.scanner.reference import cast_reference
+from wm3d.scanner.scan import MAX_GRID
 
 UPRIGHT = np.array([[0.0, 0, 1], [0, 1, 0], [1, 0, 0]])  # e_v = (cos, sin, 0)
 
@@ -39,6 +40,14 @@ def test_kernel_equals_numpy_twin(columns, shift, kept):
         expected = cast_reference(*arguments)
         assert np.isfinite(expected).any()
         np.testing.assert_allclose(kernels.cast(*arguments), expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("columns", [1, 2, 3, MAX_GRID - 1, MAX_GRID])
+def test_kernel_equals_twin_on_the_coarsest_and_finest_grids(columns):
+    rng = np.random.default_rng(6)
+    vertices, faces = rng.normal(size=(30, 3)), rng.integers(0, 30, (20, 3))
+    arguments = (vertices, faces, np.array([-0.3, 0.2]), columns, 4.0, 1)
+    np.testing.assert_allclose(kernels.cast(*arguments), cast_reference(*arguments), rtol=0, atol=1e-12)
 
 
 def test_kernel_equals_twin_where_rays_meet_edges_and_vertices_exactly():

@@ -50,7 +50,9 @@ class GaussianNoise(Noise):
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         """Return the noisy mesh; see `Attack`."""
         sigma = self.sigma_percent(mesh) / 100 * mesh.diagonal
-        return mesh.with_vertices(kernels.with_noise(mesh.vertices, sigma, rng))
+        noisy = kernels.with_noise(mesh.vertices, sigma, rng)
+        noisy.flags.writeable = False  # the mesh keeps it, uncopied
+        return mesh.with_vertices(noisy)
 
 
 class UniformNoise(Noise):

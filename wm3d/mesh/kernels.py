@@ -13,15 +13,20 @@ Vector = tuple[float, float, float]
 
 
 @njit(cache=True)
-def bounds(vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Least and greatest coordinates, (3,) each, of (n, 3) finite vertices; numpy's take 30 times as long."""
+def bounds(vertices: FloatArray) -> tuple[FloatArray, FloatArray, bool]:
+    """Least and greatest coordinates, (3,) each, of (n, 3) vertices, and whether all are finite.
+
+    Without meaning where they are not. numpy's take 30 times as long.
+    """
+    finite = True
     low_x, low_y, low_z = vertices[0]
     high_x, high_y, high_z = vertices[0]
-    for i in range(1, vertices.shape[0]):
+    for i in range(vertices.shape[0]):
         x, y, z = vertices[i]
+        finite &= (x - x == 0.0) & (y - y == 0.0) & (z - z == 0.0)
         low_x, low_y, low_z = min(low_x, x), min(low_y, y), min(low_z, z)
         high_x, high_y, high_z = max(high_x, x), max(high_y, y), max(high_z, z)
-    return np.array([low_x, low_y, low_z]), np.array([high_x, high_y, high_z])
+    return np.array([low_x, low_y, low_z]), np.array([high_x, high_y, high_z]), finite
 
 
 @njit(cache=True)

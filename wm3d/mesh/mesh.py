@@ -23,7 +23,8 @@ class Mesh:
     Parameters
     ----------
     vertices : (n, 3) array_like of float
-        Coordinates, in the unit of the file. Copied to float64 and made read-only.
+        Coordinates, in the unit of the file. Copied to float64 and made read-only; an array that is both
+        already, and owns its data, is kept.
     faces : (m, 3) array_like of int
         Vertex indices, counter-clockwise seen from outside. Copied to int64 and made read-only.
     name : str
@@ -54,12 +55,12 @@ class Mesh:
         return f"Mesh({self.name!r}, {len(self.vertices)} vertices, {len(self.faces)} faces)"
 
     def _check_vertices(self) -> None:
-        if not np.isfinite(self.vertices).all():
-            bad = int(np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))[0])
-            raise Wm3dError(f"{self.name}: vertex {bad} has a coordinate that is NaN or infinite.")
         if self.vertices.size == 0:
             return
-        low, high = self._bounds
+        low, high, finite = self._bounds
+        if not finite:
+            bad = int(np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))[0])
+            raise Wm3dError(f"{self.name}: vertex {bad} has a coordinate that is NaN or infinite.")
         if (largest := max(-low.min(), high.max())) > LARGEST:
             raise Wm3dError(f"{self.name}: a coordinate is {largest:g}; rescale it to below {LARGEST:g}.")
         if (high - low).max() < 1 / LARGEST:
@@ -92,14 +93,21 @@ class Mesh:
         return mesh
 
     @cached_property
-    def _bounds(self) -> tuple[FloatArray, FloatArray]:
-        low, high = kernels.bounds(self.vertices)
-        return low, high
+    def _bounds(self) -> tuple[FloatArray, FloatArray, bool]:
+        low, high, finite = kernels.bounds(self.vertices)
+        return low, high, finite
+
+    @cached_property
+    def vertex_mean(self) -> FloatArray:
+        """Mean m (3,) of all vertices, used or not, in the unit of the mesh."""
+        mean: FloatArray = kernels.vertex_mean(self.vertices)
+        mean.flags.writeable = False
+        return mean
 
     @property
     def diagonal(self) -> float:
         """Length of the diagonal of the axis-aligned bounding box of all vertices."""
-        low, high = self._bounds
+        low, high, _ = self._bounds
         return float(np.linalg.norm(high - low))
 
     def digest(self) -> str:
@@ -111,7 +119,9 @@ class Mesh:
 
 
 def _frozen_vertices(values: ArrayLike, name: str) -> FloatArray:
-    vertices = np.array(_rows(values, name, "vertices"), dtype=np.float64, order="C")
+    rows = _rows(values, name, "vertices")
+    shared = rows.flags.owndata and not rows.flags.writeable
+    vertices = np.array(rows, dtype=np.float64, order="C", copy=None if shared else True)
     vertices.flags.writeable = False
     return vertices
 

@@ -38,7 +38,7 @@ def vertex_moments(mesh: Mesh) -> VertexMoments:
     VertexMoments
         `mean` in the unit of the mesh, `covariance` in its square, divided by n.
     """
-    mean = kernels.vertex_mean(mesh.vertices)
+    mean = mesh.vertex_mean.copy()
     return VertexMoments(mean, kernels.vertex_covariance(mesh.vertices, mean))
 
 
@@ -54,7 +54,7 @@ def signed_volume(mesh: Mesh) -> float:
     outside. For an open mesh it is the volume closed by cones from the vertex mean to the holes, so it turns
     and shifts with the mesh.
     """
-    return float(kernels.signed_volume(mesh.vertices, mesh.faces, kernels.vertex_mean(mesh.vertices)))
+    return float(kernels.signed_volume(mesh.vertices, mesh.faces, mesh.vertex_mean))
 
 
 def orientation(mesh: Mesh) -> int:
@@ -95,7 +95,7 @@ def volume_moments(mesh: Mesh) -> VolumeMoments:
     Wm3dError
         If the faces enclose no volume, as those of a flat sheet.
     """
-    apex = kernels.vertex_mean(mesh.vertices)
+    apex = mesh.vertex_mean
     volume, first, second = kernels.volume_integrals(mesh.vertices, mesh.faces, apex)
     if abs(volume) <= 1e-12 * mesh.diagonal**3:
         raise Wm3dError(f"{mesh.name}: its faces enclose no volume, which volume moments need.")

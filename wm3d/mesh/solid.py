@@ -104,7 +104,7 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
         If the faces enclose no volume, as those of a flat sheet, or are wound so at variance that the second
         moments are not those of a solid.
     """
-    apex, unit = kernels.vertex_mean(mesh.vertices), mesh.diagonal
+    apex, unit = mesh.vertex_mean, mesh.diagonal
     for _ in range(2):
         integrals = kernels.cone_integrals(mesh.vertices, mesh.faces, apex, unit)
         volume = integrals[0, 0, 0]

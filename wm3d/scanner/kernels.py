@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 
 from wm3d.arrays import FloatArray, IntArray
 
-ANGLE_ERROR = 1e-4
-"""Bound in radians on the error of `_angle`; columns this close to a segment's end are tested exactly."""
+ANGLE_ERROR = 2e-5
+"""Bound in radians on the error of an angle in `_sectors`, less than half the step of the finest grid."""
+
+ON_AXIS = 1 << 24
+"""Sector of a vertex on the axis: farther than a turn from any other."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -30,42 +33,43 @@ def to_frame(vertices: FloatArray, center: FloatArray, axes: FloatArray) -> Floa
 
 
 @njit(cache=True, error_model="numpy")
-def spread_by_side(vertices: FloatArray, center: FloatArray, axes: FloatArray, slack: float) -> FloatArray:
-    """Return the mean of ‖v−m‖² over s_k·(v−m) > 0 and over < 0, for k = 1, 2 (eq. 3, squared): (2, 2).
+def sides_and_extent(
+    vertices: FloatArray, center: FloatArray, axes: FloatArray, slack: float
+) -> tuple[FloatArray, float, float, float]:
+    """Return what fixes the cylinder around orthonormal axes, in one pass.
 
-    Vertices within `slack` of the plane between the sides count in neither: rounding would deal them out.
+    Returns
+    -------
+    spread : (2, 2) ndarray
+        Mean of ‖v−m‖² over s_k·(v−m) > 0 and over < 0, for k = 1, 2 (eq. 3, squared). Vertices within `slack`
+        of the plane between the sides count in neither: rounding would deal them out.
+    hmin, hmax, r : float
+        Of the tight cylinder (eqs. 1 and 2).
     """
-    total = np.zeros((2, 2))
-    count = np.zeros((2, 2))
+    over1 = under1 = over2 = under2 = 0.0
+    n_over1 = n_under1 = n_over2 = n_under2 = 0
+    low, high, widest = math.inf, -math.inf, 0.0
     for i in range(len(vertices)):
         x = vertices[i, 0] - center[0]
         y = vertices[i, 1] - center[1]
         z = vertices[i, 2] - center[2]
         square = x * x + y * y + z * z
-        for k in range(2):
-            along = axes[k, 0] * x + axes[k, 1] * y + axes[k, 2] * z
-            if abs(along) > slack:
-                side = 0 if along > 0.0 else 1
-                total[k, side] += square
-                count[k, side] += 1.0
-    return total / np.maximum(count, 1.0)
-
-
-@njit(cache=True, error_model="numpy")
-def extent(vertices: FloatArray, center: FloatArray, axes: FloatArray) -> tuple[float, float, float]:
-    """Return hmin, hmax and r of the tight cylinder (eqs. 1 and 2)."""
-    low, high, square = math.inf, -math.inf, 0.0
-    for i in range(len(vertices)):
-        x = vertices[i, 0] - center[0]
-        y = vertices[i, 1] - center[1]
-        z = vertices[i, 2] - center[2]
         along = axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z
         across = axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z
         depth = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
-        low = min(low, along)
-        high = max(high, along)
-        square = max(square, across * across + depth * depth)
-    return low, high, math.sqrt(square)
+        over1 += square if along > slack else 0.0  # a zero is added faster than a branch is guessed
+        under1 += square if along < -slack else 0.0
+        over2 += square if across > slack else 0.0
+        under2 += square if across < -slack else 0.0
+        n_over1 += along > slack
+        n_under1 += along < -slack
+        n_over2 += across > slack
+        n_under2 += across < -slack
+        low, high = min(low, along), max(high, along)
+        widest = max(widest, across * across + depth * depth)
+    total = np.array([[over1, under1], [over2, under2]])
+    count = np.array([[n_over1, n_under1], [n_over2, n_under2]])
+    return total / np.maximum(count, 1), low, high, math.sqrt(widest)
 
 
 @njit(cache=True, error_model="numpy")
@@ -97,28 +101,27 @@ def cast(
     (N_u, N_v) ndarray
         l in mesh units; NaN where the ray meets no face.
     """
-    cosine, sine = directions(columns)
-    level, angle = _levels(posed, planes), _angles(posed, columns)
-    first = np.full((len(planes), columns), -math.inf)  # signed distance of the hit from the axis, r − l
+    lines = _lines(columns)
+    level, sector = _levels(posed, planes), _sectors(posed, len(lines[0]))
+    first = np.full((len(planes), columns + 1), -math.inf)  # signed distance of the hit from the axis, r − l
     for f in range(len(faces)):
         a, b, c = np.uintp(faces[f, 0]), np.uintp(faces[f, 1]), np.uintp(faces[f, 2])
         low, high = min(level[a], level[b], level[c]), max(level[a], level[b], level[c])
         bottom, top = (low + 1) >> 1, high >> 1
         if bottom > top or low == high:
             continue  # between two planes, or in one and so edge-on to its rays
-        near, beyond = _windows(angle[a], angle[b], angle[c], columns)
-        if near[0] > near[1] and beyond[0] > beyond[1]:
-            continue  # between two columns
+        window = _window(sector[a], sector[b], sector[c], len(lines[0]))
+        if window[0] > window[1]:
+            continue  # between two lines
         normal = _normal(posed, a, b, c, outward)
         for u in range(bottom, top + 1):
             # a vertex in the plane counts as above it, unless it is the lowest of the face: so a face that
             # only touches the plane still gives its point or edge
             above = 2 * u + (low == 2 * u)
             i, j, k = _lone_first(a, b, c, level[a] >= above, level[b] >= above, level[c] >= above)
-            p, q = _cut(posed, i, j, planes[u]), _cut(posed, i, k, planes[u])
-            _hit(first[u], near, p, q, normal, cosine, sine)
-            _hit(first[u], beyond, p, q, normal, cosine, sine)
-    return np.where(first == -math.inf, math.nan, radius - first)
+            _hit(first[u], window, _cut(posed, i, j, planes[u]), _cut(posed, i, k, planes[u]), normal, lines)
+    seen = first[:, :columns]
+    return np.where(seen == -math.inf, math.nan, radius - seen)
 
 
 @njit(cache=True, error_model="numpy")
@@ -139,14 +142,14 @@ def _levels(posed: FloatArray, planes: FloatArray) -> NDArray[np.int32]:
 
 
 @njit(cache=True, error_model="numpy")
-def _angles(posed: FloatArray, columns: int) -> FloatArray:
-    """Place every vertex among the columns: its angle from s3 to s2, in columns, from −N_v/2 to N_v/2.
+def _sectors(posed: FloatArray, lines: int) -> NDArray[np.int32]:
+    """Place every vertex among the lines: 2k on line k or nearly, 2k − 1 between lines k − 1 and k.
 
-    To within `ANGLE_ERROR`, by Abramowitz & Stegun 4.4.49; infinite on the axis.
+    From −lines to lines, by its angle from s3 to s2 (Abramowitz & Stegun 4.4.49); `ON_AXIS` on the axis.
     """
-    scale = columns / (2.0 * math.pi)
+    scale, margin = lines / (2.0 * math.pi), ANGLE_ERROR * lines / (2.0 * math.pi)
     flat = posed.ravel()  # LLVM vectorizes this loop over one dimension only
-    angle = np.empty(len(posed))
+    sector = np.empty(len(posed), np.int32)
     for i in range(len(posed)):
         across, depth = flat[3 * i + 1], flat[3 * i + 2]
         x, y = abs(depth), abs(across)
@@ -156,30 +159,25 @@ def _angles(posed: FloatArray, columns: int) -> FloatArray:
         turn = q * (0.9998660 + s * (-0.3302995 + s * (0.1801410 + s * (-0.0851330 + s * 0.0208351))))
         turn = 0.5 * math.pi - turn if y > x else turn
         turn = math.pi - turn if depth < 0.0 else turn
-        turn = math.inf if large == 0.0 else turn
-        angle[i] = math.copysign(turn, across) * scale
-    return angle
+        angle = math.copysign(turn, across) * scale
+        place = math.ceil(angle - margin) + math.floor(angle + margin)
+        sector[i] = place if large > 0.0 else ON_AXIS
+    return sector
 
 
 @njit(cache=True, error_model="numpy")
-def _windows(a: float, b: float, c: float, columns: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    """First and last column whose rays may meet a face before the axis, and those beyond it.
-
-    Parameters
-    ----------
-    a, b, c : float
-        Angles of its corners, from `_angles`.
-    """
-    half, margin = 0.5 * columns, ANGLE_ERROR * columns / (2.0 * math.pi)
-    left, right = min(a, b, c) - margin, max(a, b, c) + margin
-    if not right - left < half:  # is it that the face passes behind, where the angle jumps?
-        a = a if a >= 0.0 else a + columns
-        b = b if b >= 0.0 else b + columns
-        c = c if c >= 0.0 else c + columns
-        left, right = min(a, b, c) - margin, max(a, b, c) + margin
-    if not right - left < half:  # the face meets the axis, or nearly
-        return (0, columns - 1), (0, -1)
-    return (math.ceil(left), math.floor(right)), (math.ceil(left + half), math.floor(right + half))
+def _window(a: int, b: int, c: int, lines: int) -> tuple[int, int]:
+    """First and last line that may meet a face with corners in the sectors a, b, c, from `_sectors`."""
+    left, right = min(a, b, c), max(a, b, c)
+    half = lines - 2  # a turn is 2 lines sectors; a corner may lie up to one from where its number says
+    if right - left >= half:  # is it that the face passes behind, where the angle jumps?
+        a = a if a >= 0 else a + 2 * lines
+        b = b if b >= 0 else b + 2 * lines
+        c = c if c >= 0 else c + 2 * lines
+        left, right = min(a, b, c), max(a, b, c)
+    if right - left >= half or left == ON_AXIS:  # the face meets the axis, or nearly
+        return 0, lines // 2 - 1  # each line once
+    return (left + 1) >> 1, right >> 1
 
 
 @njit(cache=True, error_model="numpy")
@@ -192,16 +190,37 @@ def _normal(posed: FloatArray, a: np.uintp, b: np.uintp, c: np.uintp, outward: i
 
 @njit(cache=True, error_model="numpy")
 def directions(columns: int) -> tuple[FloatArray, FloatArray]:
-    """Return the components of e_v(v) = cos(2πv/N_v) s3 + sin(2πv/N_v) s2 (eq. 4), exact at the quarters."""
+    """Return the components of e_v(v) = cos(2πv/N_v) s3 + sin(2πv/N_v) s2 (eq. 4).
+
+    Exact at the quarters; opposite columns have opposite directions to the last bit.
+    """
     cosine, sine = np.empty(columns), np.empty(columns)
     for v in range(columns):
-        cosine[v] = math.cos(2.0 * math.pi * v / columns)
-        sine[v] = math.sin(2.0 * math.pi * v / columns)
-        if 4 * v == columns or 4 * v == 3 * columns:
-            cosine[v] = 0.0
-        if 2 * v == columns:
-            sine[v] = 0.0
+        if columns % 2 == 0 and 2 * v >= columns:
+            cosine[v], sine[v] = -cosine[v - columns // 2], -sine[v - columns // 2]
+        else:
+            cosine[v] = 0.0 if 4 * v == columns else math.cos(2.0 * math.pi * v / columns)
+            sine[v] = math.sin(2.0 * math.pi * v / columns)
     return cosine, sine
+
+
+@njit(cache=True, error_model="numpy")
+def _lines(columns: int) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
+    """Return the lines through the axis on which the rays run, and the columns of the rays at either end.
+
+    Returns
+    -------
+    cosine, sine : (lines,) ndarray
+        Components of the lines' directions along s3 and s2, one full turn of them: N_v lines, or 2 N_v where
+        N_v is odd, as no ray is then the opposite of another.
+    ahead, behind : (lines,) ndarray of int
+        Columns of the rays that start in the direction of a line and opposite to it; N_v for none.
+    """
+    step = 1 + columns % 2  # lines a column
+    cosine, sine = directions(step * columns)
+    ahead = np.full(step * columns, columns)
+    ahead[::step] = np.arange(columns)
+    return cosine, sine, ahead, np.roll(ahead, step * columns // 2)
 
 
 @njit(cache=True, error_model="numpy")
@@ -227,22 +246,27 @@ def _cut(posed: FloatArray, i: np.uintp, j: np.uintp, plane: float) -> tuple[flo
 @njit(cache=True, error_model="numpy")
 def _hit(
     first: FloatArray, window: tuple[int, int], p: tuple[float, float], q: tuple[float, float],
-    normal: tuple[float, float], cosine: FloatArray, sine: FloatArray,
+    normal: tuple[float, float], lines: tuple[FloatArray, FloatArray, IntArray, IntArray],
 ) -> None:  # fmt: skip
-    """Keep the hit nearest to the ray's start, for each column that meets the segment pq from the front."""
-    columns = len(cosine)
-    for column in range(window[0], window[1] + 1):
-        v = column
-        if v < 0:
-            v += columns
-        elif v >= columns:
-            v -= columns
-        e2, e1 = cosine[v], sine[v]
+    """Keep the hit nearest to its ray's start, for each line that meets the segment pq.
+
+    Of the two rays on a line, the face shows its front to one.
+    """
+    cosine, sine, ahead, behind = lines
+    for unwrapped in range(window[0], window[1] + 1):
+        line = unwrapped
+        if line < 0:
+            line += len(cosine)
+        elif line >= len(cosine):
+            line -= len(cosine)
+        e2, e1 = cosine[line], sine[line]
         before, after = p[1] * e1 - p[0] * e2, q[1] * e1 - q[0] * e2
         crosses = ((before <= 0.0) & (after >= 0.0)) | ((before >= 0.0) & (after <= 0.0))
-        if crosses & (normal[0] * e1 + normal[1] * e2 > 0.0):  # & and |: a guess that fails costs more
-            at_p, at_q = p[0] * e1 + p[1] * e2, q[0] * e1 + q[1] * e2
-            if before == after:  # both on the ray's line
+        facing = normal[0] * e1 + normal[1] * e2
+        if crosses & (facing != 0.0):  # & and |: a guess that fails costs more
+            v, sign = (ahead[line], 1.0) if facing > 0.0 else (behind[line], -1.0)
+            at_p, at_q = sign * (p[0] * e1 + p[1] * e2), sign * (q[0] * e1 + q[1] * e2)
+            if before == after:  # both on the line
                 t = max(at_p, at_q)
             else:
                 share = before / (before - after)
