@@ -4,10 +4,24 @@ import json
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 from scipy.stats import kstest
 from shapes import blob, box, icosphere, inside_out, rotation, uv_cylinder
 
-from wm3d.attacks import Chain, GaussianNoise, Reorder, Shear, Similarity, Simplify, Stretch
+from wm3d.attacks import (
+    Attack,
+    Bend,
+    Chain,
+    Crop,
+    GaussianNoise,
+    HalfSpaceCrop,
+    Reorder,
+    Shear,
+    Similarity,
+    Simplify,
+    Stretch,
+    Twist,
+)
 from wm3d.errors import Wm3dError
 from wm3d.imagemarks.blocks import inverse_block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
@@ -15,6 +29,7 @@ from wm3d.mesh import Mesh, solid_moments, vertex_normals
 from wm3d.metrics import snr
 from wm3d.scanner.affine import principal_frame
 from wm3d.scanner.denoise import CRUMPLED, whitened_area
+from wm3d.scanner.registration import Landmarks
 from wm3d.scanner.volume import volume_image
 from wm3d.schemes import SCHEMES, Key, Song2002
 from wm3d.schemes.movement import _weight
@@ -96,6 +111,12 @@ def test_reference_is_that_of_the_marked_mesh(embedded):
     np.testing.assert_array_equal(reference.moments, found.mapped(frame.matrix).entries())
     np.testing.assert_allclose(reference.offset, frame.matrix @ (found.centroid - frame.centroid), atol=1e-14)
     assert reference.area == whitened_area(marked)
+    landmarks = Landmarks.decode(reference.landmarks)
+    assert len(landmarks.points) > 400
+    distance, _ = KDTree(frame.posed(marked)).query(landmarks.points)
+    assert distance.max() < 0.05  # about the edges of the mesh
+    home = np.reshape(reference.home[:9], (3, 3)) @ marked.vertices.T
+    np.testing.assert_allclose(home.T + reference.home[9:], frame.posed(marked), atol=1e-12)
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.63, 2.0])
@@ -125,6 +146,25 @@ def test_reading_is_the_same_after_every_linear_map_and_in_every_order(attack, e
     there, signs = scheme.evidence(attack(marked, np.random.default_rng(1))), scheme.signs(1)
     assert there.score(signs).z == pytest.approx(evidence.score(signs).z, rel=1e-6)
     np.testing.assert_allclose(there.b, evidence.b, atol=1e-6 * evidence.b.std())
+
+
+@pytest.mark.parametrize(
+    ("attack", "kept"),
+    [
+        (Bend(degrees=10), 0.9),
+        (Twist(degrees=10), 0.9),
+        (Chain(then=(Stretch(percent=20), Bend(degrees=15), Similarity())), 0.9),
+        (Crop(percent=10), 0.7),
+        (Crop(percent=30), 0.6),
+        (Chain(then=(Crop(percent=30), Similarity())), 0.6),
+        (HalfSpaceCrop(percent=20), 0.6),
+    ],
+    ids=lambda value: value.label() if isinstance(value, Attack) else "",
+)
+def test_mark_is_found_where_the_moments_mislead(attack, kept, embedded, evidence):
+    marked, scheme = embedded
+    z = scheme.score(attack(marked, np.random.default_rng(2)), 1).z
+    assert z > kept * evidence.score(scheme.signs(1)).z
 
 
 def test_winding_does_not_matter(embedded, evidence):
@@ -278,6 +318,8 @@ GOOD = {
     "moments": (0.1,) * 31,
     "offset": (0, 0, 0),
     "area": 8.0,
+    "landmarks": "",
+    "home": (0,) * 12,
     "strength": 0.01,
 }
 
@@ -292,6 +334,8 @@ GOOD = {
         ({"reference": GOOD | {"height": 0}}, "height = 0: input should be greater than 0"),
         ({"reference": GOOD | {"hmin": np.nan}}, "hmin = nan: input should be a finite number"),
         ({"reference": GOOD | {"moments": (0.1,) * 30}}, "moments"),
+        ({"reference": GOOD | {"landmarks": "AAAA"}}, "rows of six numbers, and 3 bytes are not"),
+        ({"reference": GOOD | {"landmarks": "é"}}, "landmarks must be base64"),
         ({"reference": GOOD | {"pose": "pca"}}, "pose"),
     ],
 )

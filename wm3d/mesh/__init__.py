@@ -16,6 +16,7 @@ from wm3d.mesh.moments import (
 )
 from wm3d.mesh.normals import vertex_normals
 from wm3d.mesh.places import places
+from wm3d.mesh.sampling import surface_points
 from wm3d.mesh.solid import SolidMoments, solid_moments, whitening
 
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "signed_volume",
     "solid_moments",
     "surface_area",
+    "surface_points",
     "vertex_moments",
     "vertex_normals",
     "volume_moments",

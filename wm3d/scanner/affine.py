@@ -3,20 +3,16 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
 
 from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, SolidMoments, solid_moments, whitening
 from wm3d.scanner import kernels
-
-TURNS = 2000
-"""Rotations among which the fit looks for its starts; one of them is within 17° of any."""
+from wm3d.scanner.turns import TURNS, apart, turns
 
 STARTS = 6
 """How many starts are tried to the end, the best first."""
@@ -131,25 +127,18 @@ def _fits(moments: SolidMoments, reference: SolidMoments) -> Iterator[_Fit]:
 
     # the frame is left-handed
     mirror = -float(np.sign(np.linalg.det(colour) * np.linalg.det(whiten)))
-    for start in _starts(here, goal, _turns(TURNS) * [1.0, 1.0, mirror]):
+    for start in _starts(here, goal, turns(TURNS) * [1.0, 1.0, mirror]):
         fit = least_squares(residual, start.ravel(), jac=slopes, method="lm")
         yield _Fit(colour @ fit.x.reshape(3, 3) @ whiten, math.sqrt(2 * fit.cost) / size)
 
 
-def _starts(here: SolidMoments, goal: SolidMoments, turns: FloatArray) -> list[FloatArray]:
+def _starts(here: SolidMoments, goal: SolidMoments, candidates: FloatArray) -> list[FloatArray]:
     """Return the (k, 3, 3) turns under which the higher moments nearly agree, the best first."""
     misfit = sum(
-        ((_turned(tensor, turns) - aim) ** 2).reshape(len(turns), -1).sum(axis=1)
+        ((_turned(tensor, candidates) - aim) ** 2).reshape(len(candidates), -1).sum(axis=1)
         for tensor, aim in ((here.third, goal.third), (here.fourth, goal.fourth))
     )
-    chosen: list[FloatArray] = []
-    for turn in turns[np.argsort(misfit, kind="stable")]:
-        # tr(RᵀS) = 1 + 2 cos of the angle between R and S
-        if all(np.vdot(turn, other) < 1 + 2 * np.cos(np.radians(APART)) for other in chosen):
-            chosen.append(turn)
-            if len(chosen) == STARTS:
-                break
-    return chosen
+    return apart(candidates[np.argsort(misfit, kind="stable")], APART, STARTS)
 
 
 def _turned(tensor: FloatArray, turns: FloatArray) -> FloatArray:
@@ -160,18 +149,3 @@ def _turned(tensor: FloatArray, turns: FloatArray) -> FloatArray:
         mapped = turns @ tensors.reshape(count, 3, -1)
         tensors = np.moveaxis(mapped.reshape(count, *shape), 1, -1)
     return tensors
-
-
-@cache
-def _turns(count: int) -> FloatArray:
-    """Return rotations that lie evenly, a super-Fibonacci spiral (Alexa, CVPR 2022): (count, 3, 3)."""
-    s = np.arange(count) + 0.5
-    inner, outer = np.sqrt(s / count), np.sqrt(1 - s / count)
-    alpha, beta = 2 * np.pi * s / np.sqrt(2), 2 * np.pi * s / 1.533751168755204288118041
-    quaternions: list[FloatArray] = [
-        inner * np.sin(alpha),
-        inner * np.cos(alpha),
-        outer * np.sin(beta),
-        outer * np.cos(beta),
-    ]
-    return Rotation.from_quat(np.column_stack(quaternions)).as_matrix()

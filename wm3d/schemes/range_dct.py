@@ -4,7 +4,7 @@ import math
 from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from wm3d.arrays import FloatArray, SignArray
 from wm3d.errors import Wm3dError
@@ -14,6 +14,7 @@ from wm3d.mesh import Mesh, SolidMoments, orientation, solid_moments, vertex_nor
 from wm3d.mesh.solid import ENTRIES
 from wm3d.scanner.affine import AffineFrame, fitted_frame, principal_frame
 from wm3d.scanner.denoise import denoised, whitened_area
+from wm3d.scanner.registration import Landmarks, Surface, Warp, registered
 from wm3d.scanner.scan import MAX_GRID
 from wm3d.scanner.volume import VolumeImage, volume_image
 from wm3d.schemes import kernels
@@ -26,6 +27,11 @@ AXIS = 0.25
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Vector = tuple[float, float, float]
+
+
+def _checked_landmarks(text: str) -> str:
+    Landmarks.decode(text)
+    return text
 
 
 class Reference(BaseModel):
@@ -43,6 +49,10 @@ class Reference(BaseModel):
         Where the marked solid's centroid lies in that frame.
     area : float
         `whitened_area` of the marked mesh.
+    landmarks : str
+        `Landmarks` of the marked mesh, in that frame.
+    home : (12,) tuple of float
+        Matrix and shift of the linear map that took the marked mesh into that frame.
     strength : float
         Amplitude of the mark that can be read back, in the unit of the frame.
     """
@@ -55,7 +65,18 @@ class Reference(BaseModel):
     moments: Annotated[tuple[float, ...], Field(min_length=ENTRIES, max_length=ENTRIES)]
     offset: Vector
     area: Annotated[float, Field(gt=0)]
+    landmarks: Annotated[str, AfterValidator(_checked_landmarks)]
+    home: Annotated[tuple[float, ...], Field(min_length=12, max_length=12)]
     strength: Annotated[float, Field(gt=0)]
+
+    def poses(self, frame: AffineFrame, surface: Surface) -> tuple[Warp, Warp]:
+        """Return the maps that lay a surface in the frame: as its moments say, and as if it never moved."""
+        middle, size = surface.middle, surface.size
+        by_moments = frame.matrix @ (middle - frame.centroid) + self.offset
+        matrix, shift = np.reshape(self.home[:9], (3, 3)), np.array(self.home[9:])
+        return Warp.linear(size * frame.matrix, by_moments), Warp.linear(
+            size * matrix, matrix @ middle + shift
+        )
 
 
 class RangeDct(Scheme):
@@ -118,12 +139,17 @@ class RangeDct(Scheme):
         return marked, self.model_copy(update={"reference": reference})
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
-        """Smooth away crumples, find the pose, read the volume image; see `Scheme.evidence`."""
+        """Smooth away crumples, find the pose, lay the surface over the landmarks, read the volume image.
+
+        See `Scheme.evidence`.
+        """
         known = self._known
         mesh = denoised(mesh, known.area)
         frame = fitted_frame(mesh, SolidMoments.of_entries(known.moments))
+        surface = Surface.of(mesh)
+        found = registered(surface, Landmarks.decode(known.landmarks), known.poses(frame, surface))
         layout = _Layout(known.grid, known.hmin, known.height)
-        image = layout.image(frame.posed(mesh) + known.offset, mesh)
+        image = layout.image(found.warp(surface.placed(mesh.vertices)), mesh)
         return ShapedDct.of(image.volumes, image.areas).evidence(known.strength)
 
     @property
@@ -170,6 +196,8 @@ def _reference(
     if survives <= 0 or not ShapedDct.of(seen.volumes, seen.areas).evidence(survives).score(signs).detected():
         return None
     found = solid_moments(marked)
+    surface = Surface.of(marked)
+    pose = Warp.linear(surface.size * frame.matrix, frame.matrix @ (surface.middle - frame.centroid))
     return Reference(
         grid=layout.grid,
         hmin=layout.hmin,
@@ -177,6 +205,8 @@ def _reference(
         moments=tuple(found.mapped(frame.matrix).entries().tolist()),
         offset=tuple((frame.matrix @ (found.centroid - frame.centroid)).tolist()),
         area=whitened_area(marked),
+        landmarks=Landmarks.of(surface, pose).encode(),
+        home=tuple(np.r_[frame.matrix.ravel(), -frame.matrix @ frame.centroid].tolist()),
         strength=survives,
     )
 

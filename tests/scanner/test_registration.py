@@ -1,0 +1,118 @@
+"""Registration: evenly spread points, warps and their inverse, and surfaces laid over landmarks."""
+
+import numpy as np
+import pytest
+from shapes import blob, box, inside_out, rotation
+
+from wm3d.attacks import Crop
+from wm3d.mesh import Mesh, surface_points
+from wm3d.scanner.registration import Landmarks, Surface, Warp, registered
+from wm3d.scanner.registration.fit import fitted, share_met
+from wm3d.scanner.registration.warp import QUADRATIC_TERMS
+
+MESH = blob(3, 4)
+MIRROR = np.diag([1.0, 1.0, -1.0])
+"""To the left-handed frame of a scanner."""
+
+
+def pose_of(surface: Surface) -> Warp:
+    """Take a surface back to the coordinates of its mesh, mirrored."""
+    return Warp.linear(surface.size * MIRROR, MIRROR @ surface.middle)
+
+
+def landmarks_of(mesh: Mesh) -> Landmarks:
+    surface = Surface.of(mesh)
+    return Landmarks.of(surface, pose_of(surface))
+
+
+def test_points_stand_for_equal_areas_and_have_the_normals_of_their_faces():
+    mesh = box((1, 2, 3))  # three pairs of faces, of areas 4 (2·3, 1·3, 1·2)
+    points, normals = surface_points(mesh.vertices, mesh.faces, 22_000)
+    assert np.allclose(np.abs(points) @ np.eye(3) <= np.abs(mesh.vertices).max(axis=0) + 1e-12, True)
+    side = np.argmax(np.abs(normals), axis=1)
+    np.testing.assert_allclose(np.bincount(side), [12_000, 6_000, 4_000], atol=1)
+    np.testing.assert_allclose(
+        points[np.arange(22_000), side], normals[np.arange(22_000), side] * mesh.vertices.max(axis=0)[side]
+    )
+    for axis in range(3):  # uniform on each side: mean of the points 0, of their squares a third
+        flat = points[side != axis, axis] / mesh.vertices[:, axis].max()
+        assert abs(flat.mean()) < 0.01
+        assert (flat[np.abs(flat) < 1] ** 2).mean() == pytest.approx(1 / 3, abs=0.01)
+
+
+def test_inverse_of_a_bent_map_leads_back():
+    rng = np.random.default_rng(0)
+    coefficients = np.vstack(
+        [rng.normal(size=(1, 3)), rotation(1) @ MIRROR * 0.7, rng.normal(0, 0.01, (6, 3))]
+    )
+    warp = Warp(coefficients)
+    assert warp.is_sound()
+    points = rng.normal(size=(50, 3))
+    np.testing.assert_allclose(warp.inverse(warp(points)), points, atol=1e-5)
+    assert not Warp(np.zeros((QUADRATIC_TERMS, 3))).is_sound()
+
+
+def test_normals_stay_normals_when_a_surface_is_sheared_and_mirrored():
+    rng = np.random.default_rng(1)
+    warp = Warp.linear(MIRROR @ (np.eye(3) + 0.3 * rng.normal(size=(3, 3))), np.zeros(3))
+    a, b, c = (MESH.vertices[MESH.faces[:, k]] for k in range(3))
+    mapped = warp.normals(np.cross(b - a, c - a))
+    a, b, c = warp(a), warp(b), warp(c)
+    across = -np.cross(b - a, c - a)
+    np.testing.assert_allclose(mapped, across / np.linalg.norm(across, axis=1, keepdims=True), atol=1e-12)
+
+
+def test_landmarks_are_the_same_after_a_trip_through_text():
+    landmarks = landmarks_of(MESH)
+    again = Landmarks.decode(landmarks.encode())
+    np.testing.assert_allclose(again.points, landmarks.points, rtol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(again.normals, axis=1), 1, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "text", ["no base64!", "AAAA", Landmarks(np.full((1, 3), np.nan), np.ones((1, 3))).encode()]
+)
+def test_text_that_holds_no_landmarks_is_refused(text):
+    with pytest.raises(ValueError, match="landmarks must be"):
+        Landmarks.decode(text)
+
+
+def test_fit_finds_a_quadratic_map():
+    bent = MESH.with_vertices(
+        MESH.vertices + 0.05 * MESH.vertices[:, [1, 2, 0]] * MESH.vertices[:, [2, 0, 0]]
+    )
+    landmarks, surface = landmarks_of(bent), Surface.of(MESH)
+    linear = fitted(surface, landmarks, pose_of(surface), quadratic=False)
+    found = fitted(surface, landmarks, linear.warp, quadratic=True)
+    assert found.share > max(0.99, linear.share)
+    placed = found.warp(surface.placed(MESH.vertices))
+    goal = bent.vertices @ MIRROR
+    assert np.abs(placed - goal).max() < 0.25 * np.abs(MESH.vertices @ MIRROR - goal).max()
+    distance = np.sqrt(((placed - goal) ** 2).sum(axis=1).mean())
+    assert distance < 0.01  # a third of a cell of an image of 64 rows
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_any_turn_of_a_torso_is_found(seed):
+    torso = Crop(percent=30)(MESH, np.random.default_rng(seed))
+    turned = torso.with_vertices(3 * torso.vertices @ rotation(seed + 1).T + [5, 6, 7])
+    surface, landmarks = Surface.of(turned), landmarks_of(MESH)
+    wrong = pose_of(surface)
+    assert share_met(surface, landmarks, wrong) < 0.3
+    found = registered(surface, landmarks, [wrong])
+    placed = found.warp(surface.placed(turned.vertices))
+    distance = np.linalg.norm(placed - torso.vertices @ MIRROR, axis=1)
+    assert np.median(distance) < 0.02  # half a cell
+
+
+def test_a_pose_that_fits_is_left_as_it_is():
+    surface, landmarks = Surface.of(inside_out(MESH)), landmarks_of(MESH)
+    found = registered(surface, landmarks, [pose_of(surface)])
+    np.testing.assert_array_equal(found.warp.coefficients, pose_of(surface).coefficients)
+    assert found.share == 1
+
+
+def test_too_few_landmarks_leave_the_pose_as_it_is():
+    surface = Surface.of(MESH)
+    few = landmarks_of(MESH).every(20)
+    assert registered(surface, few, [pose_of(surface)]).share == 0

@@ -1,0 +1,59 @@
+"""The surface under test as evenly spread points, and where it lies nearest to given places."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from wm3d.arrays import FloatArray
+from wm3d.mesh import Mesh, orientation, surface_points
+
+POINTS = 30_000
+"""Points on the surface; about a fifth of a cell apart from each other."""
+
+NEIGHBOURS = 8
+"""Points whose mean stands for the surface at a place: it lies amid the folds that noise makes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Evenly spread points of a surface, relative to their mean and in units of their root mean square.
+
+    Attributes
+    ----------
+    points, normals : (`POINTS`, 3) ndarray
+        The normals are outward and of unit length.
+    middle : (3,) ndarray
+        The mean, in the coordinates of the mesh.
+    size : float
+        The unit, in that of the mesh.
+    tree : KDTree
+        Of the points.
+    """
+
+    points: FloatArray
+    normals: FloatArray
+    middle: FloatArray
+    size: float
+    tree: KDTree
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> "Surface":
+        """Spread points over the faces of a mesh."""
+        points, normals = surface_points(mesh.vertices, mesh.faces, POINTS)
+        middle = points.mean(axis=0)
+        points = points - middle
+        size = float(np.sqrt((points**2).sum(axis=1).mean()))
+        points /= size
+        tree = KDTree(points, balanced_tree=False, compact_nodes=False)
+        return cls(points, orientation(mesh) * normals, middle, size, tree)
+
+    def placed(self, vertices: FloatArray) -> FloatArray:
+        """Return vertices (n, 3) of the mesh in the coordinates of the points."""
+        placed: FloatArray = (vertices - self.middle) / self.size
+        return placed
+
+    def near(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the mean point and the mean normal of the surface next to each of (k, 3) places."""
+        _, index = self.tree.query(places, k=NEIGHBOURS)
+        return self.points[index].mean(axis=1), self.normals[index].mean(axis=1)

@@ -1,0 +1,77 @@
+"""Warps: maps of space whose coordinates are polynomials of second degree, so nearly linear ones too."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wm3d.arrays import FloatArray
+
+LINEAR_TERMS, QUADRATIC_TERMS = 4, 10
+
+MOST_STRETCH, MOST_BEND = 10.0, 0.5
+"""Largest stretch or squeeze, and quadratic coefficient, of a warp that may be meant, at size 1."""
+
+_ROUNDS = 8
+"""Of the inversion; each gains a digit where the map is nearly linear."""
+
+
+@dataclass(frozen=True, eq=False)
+class Warp:
+    """The map x ↦ `terms`(x) · coefficients.
+
+    A bend, a twist and a taper are such maps to first order.
+
+    Attributes
+    ----------
+    coefficients : (10, 3) ndarray
+        Of 1, x, y, z, x², y², z², xy, yz, zx, for each coordinate of the image.
+    """
+
+    coefficients: FloatArray
+
+    @classmethod
+    def linear(cls, matrix: FloatArray, shift: FloatArray) -> "Warp":
+        """Return x ↦ matrix x + shift."""
+        coefficients = np.zeros((QUADRATIC_TERMS, 3))
+        coefficients[0], coefficients[1:LINEAR_TERMS] = shift, matrix.T
+        return cls(coefficients)
+
+    def __call__(self, points: FloatArray) -> FloatArray:
+        """Map (n, 3) points."""
+        image: FloatArray = terms(points) @ self.coefficients
+        return image
+
+    @property
+    def matrix(self) -> FloatArray:
+        """The matrix of the linear part, (3, 3)."""
+        return self.coefficients[1:LINEAR_TERMS].T
+
+    def normals(self, normals: FloatArray) -> FloatArray:
+        """Return the unit normals (n, 3) of surfaces that the linear part maps."""
+        turned = normals @ np.linalg.inv(self.matrix)
+        length = np.linalg.norm(turned, axis=1, keepdims=True)
+        unit: FloatArray = turned / np.where(length > 0, length, 1.0)
+        return unit
+
+    def is_sound(self) -> bool:
+        """Tell whether the linear part has an inverse and dominates, as far as a model reaches."""
+        stretch = np.linalg.svd(self.matrix, compute_uv=False)
+        bend = np.abs(self.coefficients[LINEAR_TERMS:]).max()
+        return bool(stretch[0] < MOST_STRETCH and stretch[-1] > 1 / MOST_STRETCH and bend < MOST_BEND)
+
+    def inverse(self, images: FloatArray) -> FloatArray:
+        """Return the points (n, 3) that the map takes to these, nearly, where it is nearly linear."""
+        back = np.linalg.inv(self.matrix).T
+        straight = images - self.coefficients[0]
+        points: FloatArray = straight @ back
+        if self.coefficients[LINEAR_TERMS:].any():
+            for _ in range(_ROUNDS):
+                bent = terms(points)[:, LINEAR_TERMS:] @ self.coefficients[LINEAR_TERMS:]
+                points = (straight - bent) @ back
+        return points
+
+
+def terms(points: FloatArray) -> FloatArray:
+    """Return 1, x, y, z, x², y², z², xy, yz, zx of (n, 3) points: (n, 10)."""
+    x, y, z = points.T
+    return np.column_stack([np.ones(len(points)), points, points**2, x * y, y * z, z * x])

@@ -1,0 +1,38 @@
+"""Rotations that lie evenly, and the choice of some that lie apart."""
+
+from functools import cache
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from wm3d.arrays import FloatArray
+
+TURNS = 2000
+"""Rotations among which fits look for their starts; one of them is within 17° of any."""
+
+
+@cache
+def turns(count: int) -> FloatArray:
+    """Return rotations that lie evenly, a super-Fibonacci spiral (Alexa, CVPR 2022): (count, 3, 3)."""
+    s = np.arange(count) + 0.5
+    inner, outer = np.sqrt(s / count), np.sqrt(1 - s / count)
+    alpha, beta = 2 * np.pi * s / np.sqrt(2), 2 * np.pi * s / 1.533751168755204288118041
+    quaternions: list[FloatArray] = [
+        inner * np.sin(alpha),
+        inner * np.cos(alpha),
+        outer * np.sin(beta),
+        outer * np.cos(beta),
+    ]
+    return Rotation.from_quat(np.column_stack(quaternions)).as_matrix()
+
+
+def apart(ordered: FloatArray, degrees: float, most: int) -> list[FloatArray]:
+    """Return the first turns of (k, 3, 3) that differ from each other by at least this angle."""
+    chosen: list[FloatArray] = []
+    for turn in ordered:
+        # tr(RᵀS) = 1 + 2 cos of the angle between R and S
+        if all(np.vdot(turn, other) < 1 + 2 * np.cos(np.radians(degrees)) for other in chosen):
+            chosen.append(turn)
+            if len(chosen) == most:
+                break
+    return chosen
