@@ -24,6 +24,7 @@ from wm3d.attacks import (
     Crop,
     HalfSpaceCrop,
     Owner,
+    Pedestal,
     Quantize,
     Shear,
     Simplify,
@@ -41,7 +42,7 @@ CLOSE_UP = 6.0
 """How much larger the right half of a picture is."""
 
 SPOT = 0.52, 0.56
-SPOTS = {"crop": (0.5, 0.5), "half-space-crop": (0.42, 0.84), "chain": (0.42, 0.84)}
+SPOTS = {"crop": (0.5, 0.5), "half-space-crop": (0.42, 0.84), "chain": (0.42, 0.84), "pedestal": (0.5, 0.85)}
 """Middle of the close-up in the picture, from the left and from above: on the back, or at the cut."""
 
 STRONGEST: dict[str, Attack] = {
@@ -52,6 +53,7 @@ STRONGEST: dict[str, Attack] = {
     "subdivide-sqrt3": Subdivide(rule="sqrt3"),
     "simplify": Simplify(ratio=0.025, simplifier="pymeshlab-quadric"),
     "crop": Crop(percent=50),
+    "pedestal": Pedestal(axis="y"),
     # the pictures look along z, which is the default axis of the deformations
     "stretch": Stretch(axis="y"),
     "shear": Shear(axis="x"),

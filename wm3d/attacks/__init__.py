@@ -9,6 +9,7 @@ from wm3d.attacks.links import BUILTIN
 from wm3d.attacks.marking import Collusion, Remark
 from wm3d.attacks.noise import GaussianNoise, Noise, UniformNoise
 from wm3d.attacks.order import Reorder
+from wm3d.attacks.pedestal import Pedestal
 from wm3d.attacks.printing import PrintScan
 from wm3d.attacks.quantization import Float32, Quantize
 from wm3d.attacks.remeshing import IsotropicRemesh, ScreenedPoisson
@@ -38,6 +39,7 @@ __all__ = [
     "MarchingCubes",
     "Noise",
     "Owner",
+    "Pedestal",
     "PrintScan",
     "Quantize",
     "Remark",

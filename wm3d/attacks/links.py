@@ -7,6 +7,7 @@ from wm3d.attacks.exchange import Draco, RoundTrip, Weld
 from wm3d.attacks.marking import Collusion, Remark
 from wm3d.attacks.noise import GaussianNoise, UniformNoise
 from wm3d.attacks.order import Reorder
+from wm3d.attacks.pedestal import Pedestal
 from wm3d.attacks.printing import PrintScan
 from wm3d.attacks.quantization import Float32, Quantize
 from wm3d.attacks.remeshing import IsotropicRemesh, ScreenedPoisson
@@ -31,6 +32,7 @@ BUILTIN: tuple[type[Attack], ...] = (
     ScreenedPoisson,
     Crop,
     HalfSpaceCrop,
+    Pedestal,
     Similarity,
     Stretch,
     Shear,

@@ -1,0 +1,51 @@
+"""Parts added: a base glued on, as models get for printing and for display."""
+
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from wm3d.attacks.base import Attack
+from wm3d.attacks.deformation import Axis
+from wm3d.mesh import Mesh, orientation
+
+MARGIN = 0.05
+"""How far the base stands out on each side, and how deep the model sinks into it, in shares of its height or
+of the model's extent."""
+
+_CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+_QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+
+
+class Pedestal(Attack):
+    """A box under the whole model, which sinks into it a little; a part of its own in the same mesh.
+
+    Attributes
+    ----------
+    percent : float
+        Height of the box in percent of the extent of the model along the axis.
+    axis : "x", "y" or "z"
+        The way up.
+    """
+
+    name: Literal["pedestal"] = "pedestal"
+    random: ClassVar[bool] = False
+    legend: ClassVar[tuple[str, ...]] = ("percent",)
+
+    percent: Annotated[float, Field(gt=0)] = 10.0
+    axis: Axis = "z"
+
+    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (nothing is random)
+        """Return the model on its base; see `Attack`."""
+        low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+        extent, up = high - low, "xyz".index(self.axis)
+        height = self.percent / 100 * extent[up]
+        least, greatest = low - MARGIN * extent, high + MARGIN * extent
+        greatest[up] = low[up] + MARGIN * height
+        least[up] = greatest[up] - height
+        faces = np.vstack([_QUADS[:, [0, 1, 2]], _QUADS[:, [0, 2, 3]]])[:, :: orientation(mesh)]
+        return Mesh(
+            np.vstack([mesh.vertices, least + _CORNERS * (greatest - least)]),
+            np.vstack([mesh.faces, len(mesh.vertices) + faces]),
+            mesh.name,
+        )
