@@ -22,6 +22,8 @@ from wm3d.imagemarks import shaped_dct
 from wm3d.mesh import Mesh, SolidMoments, datasets, write_whole
 from wm3d.scanner import VertexPca, denoise, kernels
 from wm3d.scanner.affine import AffineFrame
+from wm3d.scanner.registration import Landmarks, Surface, Warp
+from wm3d.scanner.registration.fit import Fit
 from wm3d.scanner.volume import VolumeImage, volume_image
 from wm3d.schemes import range_dct
 
@@ -33,6 +35,9 @@ ATTACKED: list[tuple[str, dict[str, Any]]] = [
     ("simplify", {"ratio": 0.5, "simplifier": "fast-simplification"}),
     ("simplify", {"ratio": 0.1, "simplifier": "fast-simplification"}),
     ("stretch", {"percent": 10, "axis": "x"}),
+    ("bend", {"degrees": 10}),
+    ("crop", {"percent": 10}),
+    ("crop", {"percent": 30}),
 ]
 TABLE = Path(__file__).resolve().parent.parent / "results" / "range_dct" / "ablation.csv"
 
@@ -42,6 +47,11 @@ def pca_frame(mesh: Mesh, _reference: SolidMoments | None = None) -> AffineFrame
     cylinder = VertexPca()(mesh)
     size = math.sqrt(((mesh.vertices - mesh.vertices.mean(axis=0)) ** 2).sum(axis=1).mean())
     return AffineFrame(cylinder.center, cylinder.axes / size)
+
+
+def pose_alone(_surface: Surface, _landmarks: Landmarks, poses: tuple[Warp, Warp]) -> Fit:
+    """Return the pose that the moments give."""
+    return Fit(poses[0], 1.0)
 
 
 def first_surface(
@@ -71,7 +81,9 @@ def no_offset(scheme: range_dct.RangeDct) -> range_dct.RangeDct:
 
 WITHOUT: dict[str, list[Any]] = {
     "nothing (range-dct as it is)": [],
-    "moments of the solid: vertex-PCA pose": [
+    "landmarks: the pose as the moments give it": [patch.object(range_dct, "registered", pose_alone)],
+    "landmarks and moments: vertex-PCA pose": [
+        patch.object(range_dct, "registered", pose_alone),
         patch.object(range_dct, "principal_frame", pca_frame),
         patch.object(range_dct, "fitted_frame", pca_frame),
     ],

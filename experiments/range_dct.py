@@ -11,15 +11,17 @@ from pathlib import Path
 
 import pandas as pd
 from jinja2 import Environment, StrictUndefined
+from range_dct_distortion import AXES, curves, distortion, held
 
 from wm3d.bench import run_config
+from wm3d.bench.figures import save
 from wm3d.bench.store import RunDirectory
 from wm3d.mesh import write_whole
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = {
     name: ROOT / "configs" / "range_dct" / f"{name}.yaml"
-    for name in ("paper_attacks", "other_attacks", "nulls")
+    for name in ("paper_attacks", "other_attacks", "distortion", "nulls")
 }
 RESULTS = RunDirectory(ROOT / "results" / "range_dct")
 TEMPLATE = Path(__file__).with_name("range_dct_readme.md.j2")
@@ -50,6 +52,10 @@ def write_results(runs: Path) -> None:
         image = runs / name / "figures" / "heatmap.png"
         if image.exists():
             shutil.copyfile(image, RESULTS.path / "figures" / f"{name}.png")
+    if "distortion" in tables:
+        tables["distortion"] = distortion(runs / "distortion")
+        for against in AXES:
+            save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
     nulls = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv") if "nulls" in tables else pd.DataFrame()
     RESULTS.write_tables(
         {**tables, **({"nulls": nulls} if len(nulls) else {}), "beside_song2002": ratios(tables)}
@@ -82,6 +88,7 @@ def page(tables: dict[str, pd.DataFrame], nulls: pd.DataFrame) -> str:
             paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
             ratios=ratios(tables).to_dict("records"),
             other=pivot(tables["other_attacks"]) if "other_attacks" in tables else {},
+            faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             nulls=nulls.to_dict("records"),
             ablation=ablation_table(pd.read_csv(ablation)) if ablation.exists() else {},
         )
@@ -95,6 +102,14 @@ def pivot(detection: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
     lines: dict[str, dict[str, dict[str, float]]] = {}
     for line in detection.to_dict("records"):
         lines.setdefault(line["attack"], {})[line["mesh"]] = line
+    return lines
+
+
+def faintest(table: pd.DataFrame) -> dict[str, dict[str, float]]:
+    """Return the faintest mark that held, in MRMS, by attack and mesh."""
+    lines: dict[str, dict[str, float]] = {}
+    for line in held(table).to_dict("records"):
+        lines.setdefault(line["attack"], {})[line["mesh"]] = line["faintest_mrms_percent"]
     return lines
 
 

@@ -1,0 +1,78 @@
+"""Pd of range-dct against the distortion of its mark: the table and the figures of results/range_dct."""
+
+import math
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from wm3d.bench.figures import COLORS, caption, styled
+from wm3d.mesh import datasets
+
+PF = 1e-6
+LIRIS_BUDGETS = (0.02, 0.08)
+"""MRMS in % of the diagonal that the LIRIS benchmark allows (Wang et al., SMI 2010)."""
+
+AXES = {
+    "mrms_percent": "MRMS of the mark in % of the diagonal",
+    "snr_db": "SNR of the mark in dB",
+}
+ACROSS = 4
+
+
+def distortion(run: Path) -> pd.DataFrame:
+    """Return Pd and z of each mesh, attack and budget, with the MRMS and the SNR of the marks."""
+    tables = {
+        name: pd.read_csv(run / "tables" / f"{name}.csv") for name in ("detection", "calibration", "snr")
+    }
+    both = ["mesh", "scheme"]
+    pd_name = f"pd_{PF:g}"
+    kept = ["attack", "trials", "z_mean", "z_std", pd_name, f"{pd_name}_low", f"{pd_name}_high"]
+    reached = tables["calibration"].set_index(both)["reached"].rename("mrms_percent")
+    snr = tables["snr"].set_index(both)["snr_db"]
+    table = tables["detection"][both + kept].join(reached, on=both).join(snr, on=both)
+    return table.sort_values(["mesh", "attack", "mrms_percent"], kind="stable").reset_index(drop=True)
+
+
+def held(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the faintest mark, in MRMS, that was always found, as were all louder ones: by attack and mesh."""
+    lines = []
+    for attack in dict.fromkeys(table["attack"]):
+        for mesh, group in table[table["attack"] == attack].groupby("mesh", sort=False):
+            loud_first = group.sort_values("mrms_percent", ascending=False)
+            found = (loud_first[f"pd_{PF:g}"] == 1).cumprod().astype(bool)
+            faintest = loud_first.loc[found, "mrms_percent"].min()
+            lines.append({"attack": attack, "mesh": mesh, "faintest_mrms_percent": faintest})
+    return pd.DataFrame(lines)
+
+
+def curves(table: pd.DataFrame, against: str) -> Figure:
+    """Draw Pd at `PF` against one of `AXES`: a panel an attack, a line a mesh."""
+    attacks, meshes = list(dict.fromkeys(table["attack"])), list(dict.fromkeys(table["mesh"]))
+    rows = math.ceil(len(attacks) / ACROSS)
+    with styled():
+        figure = Figure(figsize=(9.4, 1.9 * rows + 0.7), layout="constrained")
+        panels = figure.subplots(rows, ACROSS, sharex=True, sharey=True, squeeze=False).ravel()
+        for panel, attack in zip(panels, attacks, strict=False):
+            for color, mesh in zip(COLORS, meshes, strict=False):
+                line = table[(table["attack"] == attack) & (table["mesh"] == mesh)].sort_values(against)
+                low, high = line[f"pd_{PF:g}_low"], line[f"pd_{PF:g}_high"]
+                panel.plot(line[against], line[f"pd_{PF:g}"], "o-", color=color, markersize=3, label=mesh)
+                panel.fill_between(line[against], low, high, color=color, alpha=0.12)
+            if against == "mrms_percent":
+                panel.set_xscale("log")
+                for budget in LIRIS_BUDGETS:
+                    panel.axvline(budget, color="0.5", linewidth=0.8, linestyle="--")
+            panel.set_title(attack, fontsize=8)
+            panel.set_ylim(-0.03, 1.03)
+        for panel in panels[len(attacks) :]:
+            panel.set_axis_off()
+        figure.supylabel(f"Pd at Pf = {PF:g}", fontsize=9)
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(meshes), title=AXES[against])
+        text = (
+            f"{table['trials'].max()} keys a point. Null: uniform keys on the mesh under test, exact. Bands: "
+            "95 % Clopper–Pearson. Dashed: budgets of the LIRIS benchmark."
+        )
+        caption(figure, text, meshes, {mesh: datasets.credit(mesh) for mesh in meshes})
+    return figure
