@@ -35,7 +35,7 @@ def distortion(run: Path) -> pd.DataFrame:
 
 
 def held(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the faintest mark, in MRMS, that was always found, as were all louder ones: by attack and mesh."""
+    """Return the faintest mark that was always found, as were all louder ones, by attack and mesh."""
     lines = []
     for attack in dict.fromkeys(table["attack"]):
         for mesh, group in table[table["attack"] == attack].groupby("mesh", sort=False):

@@ -132,13 +132,14 @@ def _fits(moments: SolidMoments, reference: SolidMoments) -> Iterator[_Fit]:
         yield _Fit(colour @ fit.x.reshape(3, 3) @ whiten, math.sqrt(2 * fit.cost) / size)
 
 
-def _starts(here: SolidMoments, goal: SolidMoments, candidates: FloatArray) -> list[FloatArray]:
+def _starts(here: SolidMoments, goal: SolidMoments, candidates: FloatArray) -> FloatArray:
     """Return the (k, 3, 3) turns under which the higher moments nearly agree, the best first."""
     misfit = sum(
         ((_turned(tensor, candidates) - aim) ** 2).reshape(len(candidates), -1).sum(axis=1)
         for tensor, aim in ((here.third, goal.third), (here.fourth, goal.fourth))
     )
-    return apart(candidates[np.argsort(misfit, kind="stable")], APART, STARTS)
+    ordered = candidates[np.argsort(misfit, kind="stable")]
+    return ordered[apart(ordered, APART, STARTS)]
 
 
 def _turned(tensor: FloatArray, turns: FloatArray) -> FloatArray:

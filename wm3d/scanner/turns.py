@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from wm3d.arrays import FloatArray
+from wm3d.arrays import FloatArray, IntArray
 
 TURNS = 2000
 """Rotations among which fits look for their starts; one of them is within 17° of any."""
@@ -26,13 +26,13 @@ def turns(count: int) -> FloatArray:
     return Rotation.from_quat(np.column_stack(quaternions)).as_matrix()
 
 
-def apart(ordered: FloatArray, degrees: float, most: int) -> list[FloatArray]:
-    """Return the first turns of (k, 3, 3) that differ from each other by at least this angle."""
-    chosen: list[FloatArray] = []
-    for turn in ordered:
+def apart(ordered: FloatArray, degrees: float, most: int) -> IntArray:
+    """Return the places of the first among (k, 3, 3) turns that differ from each other by at least an angle."""
+    chosen: list[int] = []
+    for place, turn in enumerate(ordered):
         # tr(RᵀS) = 1 + 2 cos of the angle between R and S
-        if all(np.vdot(turn, other) < 1 + 2 * np.cos(np.radians(degrees)) for other in chosen):
-            chosen.append(turn)
+        if all(np.vdot(turn, ordered[other]) < 1 + 2 * np.cos(np.radians(degrees)) for other in chosen):
+            chosen.append(place)
             if len(chosen) == most:
                 break
-    return chosen
+    return np.array(chosen)

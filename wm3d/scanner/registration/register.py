@@ -2,15 +2,11 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-from scipy.ndimage import distance_transform_edt
-
-from wm3d.arrays import FloatArray, IntArray
 from wm3d.scanner.registration.fit import FLOOR, Fit, fitted, share_met
 from wm3d.scanner.registration.landmarks import Landmarks
+from wm3d.scanner.registration.search import turned_starts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
-from wm3d.scanner.turns import TURNS, apart, turns
 
 EXACT = FLOOR / 2
 """Distance at which half of the landmarks must be met for a pose to be left as it is."""
@@ -21,21 +17,11 @@ FEWEST = 60
 SURE = 0.8
 """Share of the landmarks met from which no other start is tried."""
 
-STARTS, APART = 16, 20.0
-"""How many turned starts are tried, the best first, and the least angle between two, in degrees."""
-
 FAR_REACH = 1.0
-"""`REACH` from a turned start."""
+"""Reach of a fit from a turned start."""
 
 SKETCH, SKETCH_ROUNDS = 3, 15
 """Turned starts are tried on one landmark in so many, for so many rounds; the best is then fitted in full."""
-
-PROBES, FAR = 100, 0.5
-"""Landmarks by which turns are compared, and the distance from which one counts as lost, in sizes of the
-surface."""
-
-GRID, HALF_WIDTH = 64, 4.0
-"""Cells along a side of the cube in which their distances are looked up, and half its width."""
 
 
 def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) -> Fit:
@@ -79,31 +65,6 @@ def _searched(surface: Surface, landmarks: Landmarks) -> Warp:
     sketch = landmarks.every(SKETCH)
     fits = [
         fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
-        for start in _turned_starts(surface, landmarks)
+        for start in turned_starts(surface, landmarks)
     ]
     return _best(fits).warp
-
-
-def _turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
-    """Return the turns of a surface, at middle and size of the landmarks, that come nearest to them."""
-    goal = landmarks.points.mean(axis=0)
-    size = float(np.sqrt(((landmarks.points - goal) ** 2).sum(axis=1).mean()))
-    probes = landmarks.every(max(1, len(landmarks.points) // PROBES)).points - goal
-    candidates = turns(TURNS) * [1.0, 1.0, -1.0]  # the frame is left-handed
-    distance = _distances(surface.points, probes / size @ candidates)  # turned back
-    misfit = np.minimum(distance, FAR).mean(axis=1)
-    chosen = apart(candidates[np.argsort(misfit, kind="stable")], APART, STARTS)
-    return [Warp.linear(size * turn, goal) for turn in chosen]
-
-
-def _distances(points: FloatArray, places: FloatArray) -> FloatArray:
-    """Return how far (..., 3) places are from the nearest of (n, 3) points, to about a step of a grid."""
-    empty = np.ones((GRID,) * 3, dtype=bool)
-    empty[_cell(points)] = False
-    distance: FloatArray = distance_transform_edt(empty)[_cell(places)] * (2 * HALF_WIDTH / GRID)
-    return distance
-
-
-def _cell(places: FloatArray) -> tuple[IntArray, ...]:
-    index = ((places / HALF_WIDTH + 1) * (GRID / 2)).astype(np.int64).clip(0, GRID - 1)
-    return tuple(np.moveaxis(index, -1, 0))
