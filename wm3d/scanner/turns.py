@@ -27,7 +27,7 @@ def turns(count: int) -> FloatArray:
 
 
 def apart(ordered: FloatArray, degrees: float, most: int) -> IntArray:
-    """Return the places of the first among (k, 3, 3) turns that differ from each other by at least an angle."""
+    """Return the places of the first among (k, 3, 3) turns that differ from each other by that angle."""
     chosen: list[int] = []
     for place, turn in enumerate(ordered):
         # tr(RᵀS) = 1 + 2 cos of the angle between R and S

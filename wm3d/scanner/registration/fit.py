@@ -28,14 +28,14 @@ TUKEY = 4.0
 """Distance over the spread from which a landmark has no weight (Tukey's biweight)."""
 
 NEAR = 0.02
-"""Distance at which a landmark counts as met; half a cell, in the unit of the frame."""
+"""Distance at which a landmark no longer counts as met; half a cell, in the unit of the frame."""
 
 DAMPING = np.r_[np.full(LINEAR_TERMS, 1e-6), np.full(QUADRATIC_TERMS - LINEAR_TERMS, 1e-3)]
 """Weight of each term of the change against that of the landmarks: a plane does not fix all of them."""
 
 
 class Fit(NamedTuple):
-    """A warp, and the share of the landmarks that the warped surface meets within `NEAR`."""
+    """A warp, and its `share_met`."""
 
     warp: Warp
     share: float
@@ -80,9 +80,13 @@ def fitted(
 
 
 def share_met(surface: Surface, landmarks: Landmarks, warp: Warp, near: float = NEAR) -> float:
-    """Return the share of the landmarks that a warped surface meets."""
+    """Return the share of the landmarks that a warped surface meets, from 0 to 1.
+
+    Each counts 1 − (d/near)² for the distance d of the surface, so that a surface that lies right counts more
+    than one of another shape that was bent until it came near.
+    """
     match = _match(surface, landmarks, warp, LAST_REACH)
-    return float(np.mean(match.reached & (np.abs(match.distance) < near)))
+    return float(np.mean(match.reached * np.clip(1 - (match.distance / near) ** 2, 0, None)))
 
 
 def _match(surface: Surface, landmarks: Landmarks, warp: Warp, reach: float) -> _Match:

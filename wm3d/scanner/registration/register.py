@@ -14,8 +14,11 @@ EXACT = FLOOR / 2
 FEWEST = 60
 """Fewest landmarks that say more than a pose; few have a normal where a model is all edges."""
 
-SURE = 0.8
+SURE = 0.65
 """Share of the landmarks met from which no other start is tried."""
+
+GAIN = 0.03
+"""By how much the share of the landmarks met must grow for a fit to be preferred to a simpler one."""
 
 FAR_REACH = 1.0
 """Reach of a fit from a turned start."""
@@ -51,13 +54,18 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
 
 
 def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> Fit:
-    """Fit a linear map first and then, from there, a quadratic one."""
+    """Fit a linear map first and then, from there, a quadratic one, and take the simplest that does."""
     linear = fitted(surface, landmarks, start, quadratic=False)
-    return _best([linear, fitted(surface, landmarks, linear.warp, quadratic=True)])
+    quadratic = fitted(surface, landmarks, linear.warp, quadratic=True)
+    return _best([Fit(start, share_met(surface, landmarks, start)), linear, quadratic])
 
 
 def _best(fits: list[Fit]) -> Fit:
-    return max(fits, key=lambda fit: fit.share)
+    """Return the first fit than which no later one is better by `GAIN`."""
+    best = fits[0]
+    for fit in fits[1:]:
+        best = fit if fit.share > best.share + GAIN else best
+    return best
 
 
 def _searched(surface: Surface, landmarks: Landmarks) -> Warp:
@@ -67,4 +75,4 @@ def _searched(surface: Surface, landmarks: Landmarks) -> Warp:
         fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
         for start in turned_starts(surface, landmarks)
     ]
-    return _best(fits).warp
+    return max(fits, key=lambda fit: fit.share).warp
