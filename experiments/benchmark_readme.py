@@ -37,6 +37,7 @@ def readme(tables: Path, board: dict[str, Any], manifest: dict[str, Any], minute
         That one processor was busy.
     """
     environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.tests["startswith"] = str.startswith
     calibration, detection, axes = (
         pd.read_csv(tables / f"{name}.csv", keep_default_na=True)
         for name in ("calibration", "detection", "axes")
