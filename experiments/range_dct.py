@@ -25,6 +25,9 @@ CONFIGS = {
 }
 RESULTS = RunDirectory(ROOT / "results" / "range_dct")
 TEMPLATE = Path(__file__).with_name("range_dct_readme.md.j2")
+COUNTED_AT = (2.0, 3.0, 4.0)
+"""z at which counted and exact false alarms stand side by side."""
+
 KEPT = [
     "mesh", "scheme", "attack", "sigma_percent", "trials", "failed", "unreadable", "z_mean", "z_std",
     "d_prime", "d_prime_low", "d_prime_high", "pd_1e-06", "pd_1e-06_low", "pd_1e-06_high",
@@ -56,11 +59,12 @@ def write_results(runs: Path) -> None:
         tables["distortion"] = distortion(runs / "distortion")
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
-    nulls = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv") if "nulls" in tables else pd.DataFrame()
-    RESULTS.write_tables(
-        {**tables, **({"nulls": nulls} if len(nulls) else {}), "beside_song2002": ratios(tables)}
-    )
-    write_whole(RESULTS.path / "README.md", page(tables, nulls).encode())
+    if "nulls" in tables:
+        tables["nulls"] = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv")
+        tables["random_keys"] = counted(pd.read_csv(runs / "nulls" / "tables" / "false_alarms.csv"))
+    tables["beside_song2002"] = ratios(tables)
+    RESULTS.write_tables(tables)
+    write_whole(RESULTS.path / "README.md", page(tables).encode())
 
 
 def ratios(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
@@ -76,7 +80,15 @@ def ratios(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
     return both[columns].assign(d_prime_ratio=ratio).reset_index()
 
 
-def page(tables: dict[str, pd.DataFrame], nulls: pd.DataFrame) -> str:
+def counted(curve: pd.DataFrame) -> pd.DataFrame:
+    """Return the random keys that reached the z of `COUNTED_AT`, beside the exact probability."""
+    lines = curve[curve["z"].round(3).isin(COUNTED_AT)].copy()
+    lines["pf_exact"] = 10 ** lines.pop("log10_pf_exact")
+    lines["inside"] = lines["pf_exact"].between(lines["pf_low"], lines["pf_high"])
+    return lines.drop(columns="scheme").reset_index(drop=True)
+
+
+def page(tables: dict[str, pd.DataFrame]) -> str:
     """Return the page that goes with the tables."""
     environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     ablation = RESULTS.path / "ablation.csv"
@@ -84,12 +96,13 @@ def page(tables: dict[str, pd.DataFrame], nulls: pd.DataFrame) -> str:
     return (
         environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
         .render(
-            trials={name: int(table["trials"].max()) for name, table in tables.items()},
+            trials={name: int(tables[name]["trials"].max()) for name in CONFIGS if name in tables},
             paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
-            ratios=ratios(tables).to_dict("records"),
+            ratios=tables["beside_song2002"].to_dict("records"),
             other=pivot(tables["other_attacks"]) if "other_attacks" in tables else {},
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
-            nulls=nulls.to_dict("records"),
+            nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
+            counted=tables["random_keys"].to_dict("records") if "nulls" in tables else [],
             ablation=ablation_table(pd.read_csv(ablation)) if ablation.exists() else {},
         )
         .rstrip()
