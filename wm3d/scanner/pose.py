@@ -43,11 +43,11 @@ class VertexPca(Component):
         mean, covariance = vertex_moments(mesh)
         moments, axes = _principal_axes(covariance, mesh.name)
         slack = SYMMETRY * math.sqrt(moments[0])
-        spread, low, high, radius = kernels.sides_and_extent(mesh.vertices, mean, axes, slack)
-        signs = [_sign(*spread[axis], axis=axis, name=mesh.name) for axis in range(2)]
-        axes[:2] *= np.array(signs)[:, None]
         axes[2] = np.cross(axes[1], axes[0])
-        hmin, hmax = (low, high) if signs[0] > 0 else (-high, -low)
+        spread, low, high, radius = kernels.sides_and_extent(mesh.vertices, mean, axes, slack)
+        first, second = (_sign(*spread[axis], axis=axis, name=mesh.name) for axis in range(2))
+        axes *= np.array([[first], [second], [first * second]])
+        hmin, hmax = (low, high) if first > 0 else (-high, -low)
         return Cylinder(mean, axes, radius, hmin, hmax)
 
 
