@@ -112,6 +112,12 @@ def test_a_pose_that_fits_is_left_as_it_is():
     assert found.share > 0.99
 
 
+def test_a_pose_that_presses_the_model_flat_is_passed_over():
+    surface, landmarks = Surface.of(MESH), landmarks_of(MESH)
+    flat = Warp.linear(np.diag([1.0, 1.0, 0.0]), np.zeros(3))
+    assert registered(surface, landmarks, [flat, pose_of(surface)]).share > 0.99
+
+
 def test_too_few_landmarks_leave_the_pose_as_it_is():
     surface = Surface.of(MESH)
     few = landmarks_of(MESH).every(20)

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from wm3d.scanner.registration.fit import FLOOR, Fit, fitted, share_met
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.search import turned_starts
@@ -22,6 +24,9 @@ GAIN = 0.03
 
 FAR_REACH = 1.0
 """Reach of a fit from a turned start."""
+
+FLATTENING = 1e6
+"""Condition of a pose from which it has no inverse to speak of."""
 
 SKETCH, SKETCH_ROUNDS = 3, 15
 """Turned starts are tried on one landmark in so many, for so many rounds; the best is then fitted in full."""
@@ -44,6 +49,8 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
         return Fit(poses[0], 0.0)
     fits = []
     for pose in poses:
+        if np.linalg.cond(pose.matrix) > FLATTENING:
+            continue  # the moments of another model may be met best by one pressed flat
         if share_met(surface, landmarks, pose, EXACT) > 0.5:
             return Fit(pose, share_met(surface, landmarks, pose))
         fits.append(_bent(surface, landmarks, pose))
