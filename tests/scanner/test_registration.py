@@ -52,6 +52,15 @@ def test_inverse_of_a_bent_map_leads_back():
     assert not Warp(np.zeros((QUADRATIC_TERMS, 3))).is_sound()
 
 
+def test_inverse_of_a_map_that_folds_space_stays_finite():
+    coefficients = np.zeros((QUADRATIC_TERMS, 3))
+    coefficients[1:4] = 0.2 * np.eye(3)
+    coefficients[4:] = 0.4
+    found = Warp(coefficients).inverse(np.random.default_rng(2).normal(size=(500, 3)) * 3)
+    assert np.isfinite(found).all()
+    assert np.abs(found).max() == 100  # some have run away
+
+
 def test_normals_stay_normals_when_a_surface_is_sheared_and_mirrored():
     rng = np.random.default_rng(1)
     warp = Warp.linear(MIRROR @ (np.eye(3) + 0.3 * rng.normal(size=(3, 3))), np.zeros(3))

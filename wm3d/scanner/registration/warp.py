@@ -11,6 +11,9 @@ LINEAR_TERMS, QUADRATIC_TERMS = 4, 10
 MOST_STRETCH, MOST_BEND = 10.0, 0.5
 """Largest stretch or squeeze, and quadratic coefficient, of a warp that may be meant, at size 1."""
 
+FARTHEST = 100.0
+"""Coordinate beyond which no point is looked for, at size 1."""
+
 _ROUNDS = 8
 """Of the inversion; each gains a digit where the map is nearly linear."""
 
@@ -60,14 +63,17 @@ class Warp:
         return bool(stretch[0] < MOST_STRETCH and stretch[-1] > 1 / MOST_STRETCH and bend < MOST_BEND)
 
     def inverse(self, images: FloatArray) -> FloatArray:
-        """Return the points (n, 3) that the map takes to these, nearly, where it is nearly linear."""
+        """Return the points (n, 3) that the map takes to these, nearly, where it is nearly linear.
+
+        Elsewhere the search for them may run away; it ends at `FARTHEST`.
+        """
         back = np.linalg.inv(self.matrix).T
         straight = images - self.coefficients[0]
         points: FloatArray = straight @ back
         if self.coefficients[LINEAR_TERMS:].any():
             for _ in range(_ROUNDS):
                 bent = terms(points)[:, LINEAR_TERMS:] @ self.coefficients[LINEAR_TERMS:]
-                points = (straight - bent) @ back
+                points = np.clip((straight - bent) @ back, -FARTHEST, FARTHEST)
         return points
 
 
