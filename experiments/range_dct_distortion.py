@@ -54,13 +54,17 @@ def curves(table: pd.DataFrame, against: str) -> Figure:
         figure = Figure(figsize=(9.4, 1.9 * rows + 0.7), layout="constrained")
         panels = figure.subplots(rows, ACROSS, sharex=True, sharey=True, squeeze=False).ravel()
         for panel, attack in zip(panels, attacks, strict=False):
-            for color, mesh in zip(COLORS, meshes, strict=False):
+            for order, (color, mesh) in enumerate(zip(COLORS, meshes, strict=False)):
                 line = table[(table["attack"] == attack) & (table["mesh"] == mesh)].sort_values(against)
                 low, high = line[f"pd_{PF:g}_low"], line[f"pd_{PF:g}_high"]
-                panel.plot(line[against], line[f"pd_{PF:g}"], "o-", color=color, markersize=3, label=mesh)
-                panel.fill_between(line[against], low, high, color=color, alpha=0.12)
+                wide = 2 * (len(meshes) - order)  # so that equal lines show below each other
+                panel.plot(line[against], line[f"pd_{PF:g}"], color=color, linewidth=wide, label=mesh)
+                panel.fill_between(line[against], low, high, color=color, alpha=0.08, linewidth=0)
             if against == "mrms_percent":
                 panel.set_xscale("log")
+                budgets = sorted(set(table[against].round(2)))
+                panel.set_xticks(budgets, [f"{budget:g}" for budget in budgets])
+                panel.minorticks_off()
                 for budget in LIRIS_BUDGETS:
                     panel.axvline(budget, color="0.5", linewidth=0.8, linestyle="--")
             panel.set_title(attack, fontsize=8)
