@@ -76,7 +76,9 @@ def curves(table: pd.DataFrame, against: str) -> Figure:
         figure.legend(handles, labels, loc="outside upper center", ncols=len(meshes), title=AXES[against])
         text = (
             f"{table['trials'].max()} keys a point. Null: uniform keys on the mesh under test, exact. Bands: "
-            "95 % Clopper–Pearson. Dashed: budgets of the LIRIS benchmark."
+            "95 % Clopper–Pearson."
         )
+        if against == "mrms_percent":
+            text += " Dashed: budgets of the LIRIS benchmark."
         caption(figure, text, meshes, {mesh: datasets.credit(mesh) for mesh in meshes})
     return figure
