@@ -31,12 +31,15 @@ class Pedestal(Attack):
     name: Literal["pedestal"] = "pedestal"
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
 
-    percent: Annotated[float, Field(gt=0)] = 10.0
+    percent: Annotated[float, Field(ge=0)] = 10.0
     axis: Axis = "z"
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (nothing is random)
         """Return the model on its base; see `Attack`."""
+        if self.percent == 0:
+            return mesh
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         extent, up = high - low, "xyz".index(self.axis)
         height = self.percent / 100 * extent[up]
