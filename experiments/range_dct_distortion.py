@@ -75,8 +75,8 @@ def curves(table: pd.DataFrame, against: str) -> Figure:
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(meshes), title=AXES[against])
         text = (
-            f"{table['trials'].max()} keys a point. Statistic: z of the detector, large is marked. Null: uniform "
-            "keys on the mesh under test, exact. Bands: 95 % Clopper–Pearson."
+            f"{table['trials'].max()} keys a point. Statistic: z of the detector, large is marked. Null: "
+            "uniform keys on the mesh under test, exact. Bands: 95 % Clopper–Pearson."
         )
         if against == "mrms_percent":
             text += " Dashed: budgets of the LIRIS benchmark."
