@@ -3,6 +3,7 @@
 import numpy as np
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.attacks import kernels
 
 STEPS = 24
 """Bisection steps for the cell size, which they settle to 6e-8 of the mesh's extent."""
@@ -26,30 +27,13 @@ def cluster_to(vertices: FloatArray, faces: IntArray, target: int) -> tuple[Floa
     best, best_miss = 0.0, abs(len(faces) - target)
     for _ in range(STEPS):
         size = 0.5 * (finest + coarsest)
-        count = count_faces(vertices, faces, size)
+        count = kernels.count_faces(vertices, faces, size)
         if abs(count - target) < best_miss and count > 0:
             best, best_miss = size, abs(count - target)
         if count == target:
             break
         finest, coarsest = (finest, size) if count < target else (size, coarsest)
     return cluster(vertices, faces, best) if best else (vertices, faces)
-
-
-def count_faces(vertices: FloatArray, faces: IntArray, size: float) -> int:
-    """Return how many faces `cluster` leaves, without making them.
-
-    Each face is counted by a hash of its three cells, which keeps repeated ones apart from others but for one
-    chance in 10⁸ with a million faces.
-    """
-    a, b, c = _cell_codes(vertices, size)[faces].T
-    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    middle = a ^ b ^ c ^ low ^ high
-    whole = (low != middle) & (middle != high)
-    factors = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
-    corners = (corner[whole].astype(np.uint64) for corner in (low, middle, high))
-    hashed = sum((corner * factor for corner, factor in zip(corners, factors, strict=True)), np.uint64(0))
-    ordered = np.sort(np.asarray(hashed))
-    return int(np.count_nonzero(ordered[1:] != ordered[:-1])) + int(len(ordered) > 0)
 
 
 def cluster(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
@@ -59,7 +43,7 @@ def cluster(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatAr
     """
     used = np.zeros(len(vertices), bool)
     used[faces] = True
-    _, inverse = np.unique(_cell_codes(vertices, size)[used], return_inverse=True)
+    _, inverse = np.unique(kernels.cell_codes(vertices, size)[used], return_inverse=True)
     cluster_of = np.full(len(vertices), -1)
     cluster_of[used] = inverse
     count = np.bincount(inverse)
@@ -71,11 +55,3 @@ def cluster(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatAr
     _, first = np.unique((low * len(means) + middle) * len(means) + high, return_index=True)
     kept, renumbered = np.unique(merged[np.sort(first)], return_inverse=True)
     return means[kept], renumbered.reshape(-1, 3)
-
-
-def _cell_codes(vertices: FloatArray, size: float) -> IntArray:
-    """Return the number of the cubic cell, of edge `size`, that each vertex lies in."""
-    cells = np.floor((vertices - vertices.min(axis=0)) / size).astype(np.int64)
-    extent = cells.max(axis=0) + 1
-    codes: IntArray = (cells[:, 0] * extent[1] + cells[:, 1]) * extent[2] + cells[:, 2]
-    return codes

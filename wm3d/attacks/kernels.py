@@ -1,4 +1,4 @@
-"""Numba kernels of the attacks: Gaussian noise, and the signed distance on a grid.
+"""Numba kernels of the attacks: Gaussian noise, faces left by clustering, the signed distance on a grid.
 
 The grid's distance is exact near the faces, its winding number everywhere. Its coordinates are in cells: the
 nodes of the grid are the whole numbers.
@@ -10,6 +10,9 @@ import numpy as np
 from numba import njit
 
 from wm3d.arrays import FloatArray, IntArray
+
+_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
+"""Odd, with bits all over; splitmix64's and xxHash's."""
 
 
 @njit(cache=True)
@@ -24,6 +27,52 @@ def with_noise(vertices: FloatArray, sigma: float, rng: np.random.Generator) -> 
         for k in range(3):
             noisy[i, k] = vertices[i, k] + sigma * rng.standard_normal()
     return noisy
+
+
+@njit(cache=True)
+def count_faces(vertices: FloatArray, faces: IntArray, size: float) -> int:
+    """Return how many different faces are left once the vertices in each cubic cell of edge `size` are one.
+
+    A hash of its three cells stands for a face; two faces share one with one chance in 10⁸ for a million
+    faces.
+    """
+    codes = cell_codes(vertices, size)
+    bits = 4
+    while (1 << bits) < 2 * faces.shape[0]:
+        bits += 1
+    table = np.zeros(1 << bits, np.uint64)  # open addressing; 0 is free
+    last = (1 << bits) - 1
+    count = 0
+    for f in range(faces.shape[0]):
+        a, b, c = codes[faces[f, 0]], codes[faces[f, 1]], codes[faces[f, 2]]
+        if a == b or b == c or c == a:
+            continue
+        low, high = min(a, b, c), max(a, b, c)
+        mixed = np.uint64(low) * _FACTORS[0] + np.uint64(a ^ b ^ c ^ low ^ high) * _FACTORS[1]
+        mixed = (mixed + np.uint64(high) * _FACTORS[2]) | np.uint64(1)
+        place = np.int64(mixed >> np.uint64(64 - bits))
+        while table[place] != 0 and table[place] != mixed:
+            place = (place + 1) & last
+        if table[place] == 0:
+            table[place] = mixed
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def cell_codes(vertices: FloatArray, size: float) -> IntArray:
+    """Return the number of the cubic cell, of edge `size`, that each vertex (n, 3) lies in."""
+    low, extent = np.empty(3), np.empty(3, np.int64)
+    for k in range(3):
+        low[k] = vertices[:, k].min()
+        extent[k] = np.int64(math.floor((vertices[:, k].max() - low[k]) / size)) + 1
+    codes = np.empty(vertices.shape[0], np.int64)
+    for i in range(vertices.shape[0]):
+        x = np.int64(math.floor((vertices[i, 0] - low[0]) / size))
+        y = np.int64(math.floor((vertices[i, 1] - low[1]) / size))
+        z = np.int64(math.floor((vertices[i, 2] - low[2]) / size))
+        codes[i] = (x * extent[1] + y) * extent[2] + z
+    return codes
 
 
 @njit(cache=True)

@@ -8,7 +8,17 @@ from wm3d.scanner import Cylinder
 from wm3d.schemes import kernels
 
 
-def move_vertices(mesh: Mesh, posed: FloatArray, cylinder: Cylinder, change: FloatArray) -> Mesh:
+def radial_normals(mesh: Mesh, posed: FloatArray) -> FloatArray:
+    """Return the normals of the vertices of a mesh, ``posed`` by a cylinder, along its s2 and s3: (n, 2).
+
+    Outward, weighted by area; vertices in one place have one normal.
+    """
+    return pooled(posed, kernels.radial_normals(posed, mesh.faces, orientation(mesh)))
+
+
+def move_vertices(
+    mesh: Mesh, posed: FloatArray, normals: FloatArray, cylinder: Cylinder, change: FloatArray
+) -> Mesh:
     """Return the mesh whose vertices follow a change of the range image.
 
     Parameters
@@ -16,11 +26,12 @@ def move_vertices(mesh: Mesh, posed: FloatArray, cylinder: Cylinder, change: Flo
     mesh : Mesh
     posed : (n, 3) ndarray
         ``cylinder.posed(mesh)``.
+    normals : (n, 2) ndarray
+        From `radial_normals`.
     cylinder : Cylinder
     change : (N_u, N_v) ndarray
         Δl = l̃ − l (eq. 8), in mesh units; a positive change moves the surface towards the axis.
     """
-    normals = pooled(posed, kernels.radial_normals(posed, mesh.faces, orientation(mesh)))
     moves = kernels.radial_moves(posed, normals, change, cylinder.hmin, cylinder.height)
     return mesh.with_vertices(mesh.vertices + _to_world(moves, cylinder))
 

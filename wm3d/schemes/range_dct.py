@@ -1,6 +1,7 @@
 """The robust variant of the paper's idea: a block-DCT mark in what an affine-invariant scanner sees."""
 
 import math
+from functools import lru_cache
 from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
@@ -118,19 +119,15 @@ class RangeDct(Scheme):
 
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
         """Move the vertices along their normals by the pattern of a key; see `Scheme.embed`."""
-        frame = principal_frame(mesh)
-        layout = _Layout.around(frame.posed(mesh), mesh, self.blocks)
-        host = layout.image(frame.posed(mesh), mesh)
-        mark = ShapedDct.of(host.volumes, host.areas)
-        if not mark.carries.any():
+        host = _host(mesh, self.blocks)
+        if not host.mark.carries.any():
             raise Wm3dError(f"{mesh.name}: its volume image is flat, so no block can carry a mark.")
-        signs = key_signs(seed, mark.amplitude.size)
-        pattern = inverse_block_dct(mark.pattern(signs), host.volumes.shape)
-        moves = _moves(mesh, frame, layout, pattern)
+        signs = key_signs(seed, host.mark.amplitude.size)
+        moves = host.moves(inverse_block_dct(host.mark.pattern(signs), host.image.volumes.shape))
         strength = self.alpha / 100 * _rms(mesh.vertices - mesh.vertices.mean(axis=0)) / _rms(moves)
         marked = mesh.with_vertices(mesh.vertices + strength * moves)
 
-        reference = _reference(marked, frame, layout, host, mark, signs)
+        reference = _reference(marked, host, signs)
         if reference is None:
             raise Wm3dError(
                 f"{mesh.name}: the mark cannot be read even from the marked mesh; try fewer blocks than "
@@ -186,13 +183,57 @@ class _Layout(NamedTuple):
         return volume_image(posed, mesh.faces, self.grid, self.hmin, self.height, orientation(mesh))
 
 
-def _reference(
-    marked: Mesh, frame: AffineFrame, layout: _Layout, host: VolumeImage, mark: ShapedDct, signs: SignArray
-) -> Reference | None:
+class _Host(NamedTuple):
+    """The original as every key finds it.
+
+    Attributes
+    ----------
+    frame : AffineFrame
+    layout : _Layout
+    posed : (n, 3) ndarray
+        Its vertices in the frame.
+    directions : (n, 3) ndarray
+        Outward normals of the vertices, in mesh coordinates; of length 1, less near the axis.
+    image : VolumeImage
+    mark : ShapedDct
+        Of the image.
+    """
+
+    frame: AffineFrame
+    layout: _Layout
+    posed: FloatArray
+    directions: FloatArray
+    image: VolumeImage
+    mark: ShapedDct
+
+    def moves(self, pattern: FloatArray) -> FloatArray:
+        """Move the vertices along their normals by a pattern (N_u, N_v): (n, 3)."""
+        along = kernels.image_at(self.posed, pattern, self.layout.hmin, self.layout.height)
+        moves: FloatArray = self.directions * along[:, None]
+        return moves
+
+
+# the original is marked with one key after the other, or at one strength after the other
+@lru_cache(maxsize=1)
+def _host(mesh: Mesh, blocks: int) -> _Host:
+    frame = principal_frame(mesh)
+    posed = frame.posed(mesh)
+    layout = _Layout.around(posed, mesh, blocks)
+    image = layout.image(posed, mesh)
+    normals = pooled(posed, vertex_normals(mesh))
+    length = np.linalg.norm(normals, axis=1)
+    distance = np.hypot(posed[:, 1], posed[:, 2])
+    fade = np.minimum(1.0, distance / (AXIS * np.median(distance)))
+    directions = normals * (fade / np.where(length > 0, length, 1.0))[:, None]
+    return _Host(frame, layout, posed, directions, image, ShapedDct.of(image.volumes, image.areas))
+
+
+def _reference(marked: Mesh, host: _Host, signs: SignArray) -> Reference | None:
     """Measure what detection needs on the marked mesh; None if even there the mark is not found."""
+    frame, layout, response = host.frame, host.layout, host.mark.response
     seen = layout.image(frame.posed(marked), marked)
-    gained = block_dct(seen.volumes - host.volumes)[:, 1:] * signs.reshape(-1, AC)
-    survives = float((gained * mark.response).sum() / (mark.response**2).sum())
+    gained = block_dct(seen.volumes - host.image.volumes)[:, 1:] * signs.reshape(-1, AC)
+    survives = float((gained * response).sum() / (response**2).sum())
     if survives <= 0 or not ShapedDct.of(seen.volumes, seen.areas).evidence(survives).score(signs).detected():
         return None
     found = solid_moments(marked)
@@ -209,19 +250,6 @@ def _reference(
         home=tuple(np.r_[frame.matrix.ravel(), -frame.matrix @ frame.centroid].tolist()),
         strength=survives,
     )
-
-
-def _moves(mesh: Mesh, frame: AffineFrame, layout: _Layout, pattern: FloatArray) -> FloatArray:
-    """Move the vertices along their normals by the pattern (N_u, N_v), less towards the axis: (n, 3)."""
-    posed = frame.posed(mesh)
-    normals = pooled(posed, vertex_normals(mesh))
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = normals / np.where(length > 0, length, 1.0)
-    distance = np.hypot(posed[:, 1], posed[:, 2])
-    fade = np.minimum(1.0, distance / (AXIS * np.median(distance)))
-    along = kernels.image_at(posed, pattern, layout.hmin, layout.height) * fade
-    moves: FloatArray = normals * along[:, None]
-    return moves
 
 
 def _rms(vectors: FloatArray) -> float:

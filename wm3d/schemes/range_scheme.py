@@ -1,7 +1,8 @@
 """Schemes that mark the range image of the virtual scanner: pose, scan, 2-D mark, vertices that follow."""
 
 from abc import abstractmethod
-from typing import Annotated, ClassVar, Literal, Self
+from functools import lru_cache
+from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -14,12 +15,15 @@ from wm3d.mesh import Mesh
 from wm3d.scanner import Cylinder, RangeImage, VertexPca
 from wm3d.scanner.scan import MAX_GRID, scan_posed
 from wm3d.schemes.base import Scheme
-from wm3d.schemes.movement import move_vertices
+from wm3d.schemes.movement import move_vertices, radial_normals
 from wm3d.stats import RademacherSum
 
 GridSize = Annotated[int, Field(ge=1, le=MAX_GRID)]
 Index = Annotated[int, Field(ge=0)]
 BlockMultiple = Annotated[int, Field(ge=BLOCK, multiple_of=BLOCK)]
+
+
+_POSE = VertexPca()
 
 
 class RangeScheme(Scheme):
@@ -73,20 +77,19 @@ class RangeScheme(Scheme):
 
     def cylinder(self, mesh: Mesh) -> Cylinder:
         """Return the paper's pose, `VertexPca` (section II-A)."""
-        return VertexPca()(mesh)
+        return _POSE(mesh)
 
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
         """Mark the range image and let the vertices follow (section III-A); see `Scheme.embed`."""
-        cylinder = self.cylinder(mesh)
-        posed = cylinder.posed(mesh)
-        grey = self._grey(scan_posed(posed, mesh, self.grid, cylinder), mesh.name)
+        host = _host(mesh, self.grid)
+        grey = self._grey(host.image, mesh.name)
         mark = self.image_mark
         if not mark.carried(grey.usable).any():
             raise Wm3dError(f"{mesh.name}: every block of the region {self.region} holds a ray that misses.")
         marked = mark.embed(grey.levels, self.signs(seed), grey.usable)
         change = np.zeros((self.grid[1], self.grid[0]))
         change[self._window] = (marked - grey.levels) * grey.unit  # Δl (eq. 8)
-        return move_vertices(mesh, posed, cylinder, change), self
+        return move_vertices(mesh, host.posed, host.normals, host.image.cylinder, change), self
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
         """Pose, scan and read the region (section III-B); see `Scheme.evidence`."""
@@ -110,6 +113,22 @@ class RangeScheme(Scheme):
             raise Wm3dError(f"{name}: the range image is flat over the region {self.region}.")
         unit = (span.max() - span.min()) / 255
         return _GreyRegion((ranges[self._window] - span.min()) / unit, unit, counted[self._window])
+
+
+class _Host(NamedTuple):
+    """The original as every key finds it: vertices in the cylinder's frame, their normals, the image."""
+
+    posed: FloatArray
+    normals: FloatArray
+    image: RangeImage
+
+
+# the original is marked with one key after the other
+@lru_cache(maxsize=1)
+def _host(mesh: Mesh, grid: tuple[int, int]) -> _Host:
+    cylinder = _POSE(mesh)
+    posed = cylinder.posed(mesh)
+    return _Host(posed, radial_normals(mesh, posed), scan_posed(posed, mesh, grid, cylinder))
 
 
 class _GreyRegion:
