@@ -118,8 +118,8 @@ def measured(mesh: Mesh, alpha: float, attack: Attack, keys: int, *, posed_by_ve
 def main(keys: int) -> None:
     lines = []
     for name, alpha in MODELS.items():
-        mesh = datasets.load(name)
         for ingredient, patches in WITHOUT.items():
+            mesh = datasets.load(name)  # anew: a scheme keeps what it found in the last one
             for attack_name, parameters in ATTACKED:
                 attack = ATTACKS.build(attack_name, parameters)
                 with without(patches):

@@ -17,11 +17,12 @@ from wm3d.bench import run_config
 from wm3d.bench.figures import save
 from wm3d.bench.store import RunDirectory
 from wm3d.mesh import write_whole
+from wm3d.schemes.range_dct import RangeDct
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = {
     name: ROOT / "configs" / "range_dct" / f"{name}.yaml"
-    for name in ("paper_attacks", "other_attacks", "distortion", "nulls")
+    for name in ("paper_attacks", "other_attacks", "blocks", "distortion", "nulls")
 }
 RESULTS = RunDirectory(ROOT / "results" / "range_dct")
 TEMPLATE = Path(__file__).with_name("range_dct_readme.md.j2")
@@ -100,6 +101,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
             ratios=tables["beside_song2002"].to_dict("records"),
             other=pivot(tables["other_attacks"]) if "other_attacks" in tables else {},
+            blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
             counted=tables["random_keys"].to_dict("records") if "nulls" in tables else [],
@@ -115,6 +117,16 @@ def pivot(detection: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
     lines: dict[str, dict[str, dict[str, float]]] = {}
     for line in detection.to_dict("records"):
         lines.setdefault(line["attack"], {})[line["mesh"]] = line
+    return lines
+
+
+def by_blocks(detection: pd.DataFrame) -> dict[str, dict[str, dict[int, dict[str, float]]]]:
+    """Return the lines of a table by mesh, attack and number of blocks, fewest first."""
+    detection = detection.assign(blocks=detection["scheme"].str.extract(r"blocks=(\d+)")[0])
+    detection["blocks"] = detection["blocks"].astype(float).fillna(RangeDct().blocks).astype(int)
+    lines: dict[str, dict[str, dict[int, dict[str, float]]]] = {}
+    for line in detection.sort_values("blocks", kind="stable").to_dict("records"):
+        lines.setdefault(line["mesh"], {}).setdefault(line["attack"], {})[line["blocks"]] = line
     return lines
 
 

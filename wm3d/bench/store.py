@@ -102,14 +102,20 @@ class RunDirectory:
         if not path.exists():
             return None
         try:
-            table = pq.read_table(path, page_checksum_verification=True, memory_map=False)
+            with pq.ParquetFile(path, page_checksum_verification=True, memory_map=False) as file:
+                table = file.read()
             if (table.schema.metadata or {}).get(CELL_KEY) != digest.encode():
                 raise DamagedCellError(path, "it belongs to another cell")
             rows: pd.DataFrame = table.to_pandas()
             absent = columns.keys() - set(rows)
             if not absent <= ADDED or not set(rows) <= columns.keys():
                 raise DamagedCellError(path, "its columns are others")
-            return rows.assign(**dict.fromkeys(absent, float("nan")))[list(columns)].astype(dict(columns))
+            if list(rows) != list(columns):
+                rows = rows.assign(**dict.fromkeys(absent, float("nan")))[list(columns)]
+            # converting all columns takes longer than reading them
+            kinds = rows.dtypes
+            other = {name: kind for name, kind in columns.items() if kinds[name] != kind}
+            return rows.astype(other) if other else rows
         except DamagedCellError:
             raise
         except Exception as error:  # there is no telling what noise leads a decoder to

@@ -75,12 +75,18 @@ def surface_area(vertices: FloatArray, faces: IntArray) -> float:
     """Sum of the triangle areas."""
     total = 0.0
     for f in range(faces.shape[0]):
-        corner = vertices[faces[f, 0]]
-        ux, uy, uz = _relative(vertices, faces[f, 1], corner)
-        wx, wy, wz = _relative(vertices, faces[f, 2], corner)
-        nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
-        total += np.sqrt(nx * nx + ny * ny + nz * nz)
+        total += _doubled_area(vertices, faces, f)
     return total / 2.0
+
+
+@njit(cache=True)
+def cumulated_area(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Area of each face and of all before it: (m,)."""
+    reached, total = np.empty(faces.shape[0]), 0.0
+    for f in range(faces.shape[0]):
+        total += _doubled_area(vertices, faces, f)
+        reached[f] = total / 2.0
+    return reached
 
 
 @njit(cache=True)
@@ -192,6 +198,16 @@ def cone_integrals(vertices: FloatArray, faces: IntArray, apex: FloatArray, unit
 def _relative(vertices: FloatArray, index: int, origin: FloatArray) -> Vector:
     i = np.uintp(index)  # unsigned: numba then omits the test for negative indices, which Mesh has done
     return vertices[i, 0] - origin[0], vertices[i, 1] - origin[1], vertices[i, 2] - origin[2]
+
+
+@njit(cache=True)
+def _doubled_area(vertices: FloatArray, faces: IntArray, f: int) -> float:
+    corner = vertices[faces[f, 0]]
+    ux, uy, uz = _relative(vertices, faces[f, 1], corner)
+    wx, wy, wz = _relative(vertices, faces[f, 2], corner)
+    nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
+    doubled: float = np.sqrt(nx * nx + ny * ny + nz * nz)
+    return doubled
 
 
 @njit(cache=True)

@@ -9,6 +9,9 @@ from wm3d.errors import Wm3dError
 from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
 
+LEAST_VOLUME = 1e-12
+"""Least volume, relative to the cube of the bounding box's diagonal, that counts as a solid."""
+
 
 class VertexMoments(NamedTuple):
     """Mean m (3,) and centered second moments over n, C_v (3, 3), of the vertices; symmetric."""
@@ -97,8 +100,16 @@ def volume_moments(mesh: Mesh) -> VolumeMoments:
     """
     apex = mesh.vertex_mean
     volume, first, second = kernels.volume_integrals(mesh.vertices, mesh.faces, apex)
-    if abs(volume) <= 1e-12 * mesh.diagonal**3:
-        raise Wm3dError(f"{mesh.name}: its faces enclose no volume, which volume moments need.")
+    check_volume(mesh, volume)
     offset = first / volume
     covariance = second / volume - offset[:, None] * offset
     return VolumeMoments(float(volume), apex + offset, covariance)
+
+
+def check_volume(mesh: Mesh, volume: float) -> None:
+    """Raise Wm3dError if a volume is next to nothing for a mesh of this size."""
+    if abs(volume) <= LEAST_VOLUME * mesh.diagonal**3:
+        raise Wm3dError(
+            f"{mesh.name}: its faces enclose no volume, as if all lay in a plane, but only a solid has the "
+            "moments that fix its pose."
+        )

@@ -11,13 +11,11 @@ from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
 from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
+from wm3d.mesh.moments import check_volume, volume_moments
 
 ORDERS = (2, 3, 4)
 ENTRIES = 31
 """Different entries of the symmetric tensors of these orders: 6 + 10 + 15."""
-
-LEAST_VOLUME = 1e-12
-"""Least volume, relative to the cube of the bounding box's diagonal, that counts as a solid."""
 
 LEAST_MOMENT = 1e-9
 """Least second moment of a solid, relative to the largest."""
@@ -104,17 +102,12 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
         If the faces enclose no volume, as those of a flat sheet, or are wound so at variance that the second
         moments are not those of a solid.
     """
-    apex, unit = mesh.vertex_mean, mesh.diagonal
-    for _ in range(2):
-        integrals = kernels.cone_integrals(mesh.vertices, mesh.faces, apex, unit)
-        volume = integrals[0, 0, 0]
-        if abs(volume) <= LEAST_VOLUME:
-            raise Wm3dError(
-                f"{mesh.name}: its faces enclose no volume, as if all lay in a plane, but only a solid has "
-                "the moments that fix its pose."
-            )
-        shift = _tensor(integrals, 1) / volume
-        apex = apex + unit * shift
+    apex, unit = volume_moments(mesh).centroid, mesh.diagonal
+    integrals = kernels.cone_integrals(mesh.vertices, mesh.faces, apex, unit)
+    volume = integrals[0, 0, 0]
+    check_volume(mesh, volume * unit**3)
+    shift = _tensor(integrals, 1) / volume
+    apex = apex + unit * shift
     central = _centred(shift, *(_tensor(integrals, order) / volume for order in ORDERS))
     whitening(central[0], mesh.name)
     return SolidMoments(apex, *(unit**order * t for order, t in zip(ORDERS, central, strict=True)))
