@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, kernels, vertex_moments
 
 
 def snr(original: Mesh, marked: Mesh) -> float:
@@ -19,8 +19,9 @@ def snr(original: Mesh, marked: Mesh) -> float:
         If the meshes do not have the same number of vertices.
     """
     check_same_vertices("SNR", original, marked)
-    signal = float(np.var(original.vertices, axis=0).sum())
-    noise = float(np.var(marked.vertices - original.vertices, axis=0).sum())
+    moves = marked.vertices - original.vertices
+    signal = np.trace(vertex_moments(original).covariance)
+    noise = np.trace(kernels.vertex_covariance(moves, kernels.vertex_mean(moves)))
     return math.inf if noise == 0 else 10 * math.log10(signal / noise)
 
 

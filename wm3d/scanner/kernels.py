@@ -272,3 +272,19 @@ def _hit(
                 share = before / (before - after)
                 t = (1.0 - share) * at_p + share * at_q
             first[v] = max(first[v], t)
+
+
+_SINE = np.array([(-1) ** k * (math.pi ** (2 * k + 1)) / math.factorial(2 * k + 1) / 2 for k in range(11)])
+"""Taylor coefficients of ½ sin πy, whose next term is below 1e-16 for |y| ≤ ½."""
+
+
+@njit(cache=True, error_model="numpy")
+def cosine_weight(x: float) -> float:
+    """Return f(x) = (1 + cos πx)/2 for 0 ≤ x ≤ 1, by a series: equal to a few last bits, and faster."""
+    y = 0.5 - x
+    z = y * y
+    total = _SINE[10]
+    for k in range(9, -1, -1):
+        total = total * z + _SINE[k]
+    weight: float = 0.5 + y * total
+    return weight

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.scanner.kernels import cosine_weight
 
 
 @njit(cache=True, error_model="numpy")
@@ -84,7 +85,7 @@ def _interpolated(image: FloatArray, u: float, v: float) -> float:
     """
     rows, columns = image.shape
     u0, v0 = math.floor(u), math.floor(v)
-    fu, fv = 0.5 + 0.5 * math.cos(math.pi * (u - u0)), 0.5 + 0.5 * math.cos(math.pi * (v - v0))
+    fu, fv = cosine_weight(u - u0), cosine_weight(v - v0)
     left, right = v0 % columns, (v0 + 1) % columns
     total = 0.0
     if 0 <= u0 < rows:

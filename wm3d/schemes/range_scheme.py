@@ -23,9 +23,6 @@ Index = Annotated[int, Field(ge=0)]
 BlockMultiple = Annotated[int, Field(ge=BLOCK, multiple_of=BLOCK)]
 
 
-_POSE = VertexPca()
-
-
 class RangeScheme(Scheme):
     """A 2-D mark in the range image of a virtual cylindrical scanner.
 
@@ -77,7 +74,7 @@ class RangeScheme(Scheme):
 
     def cylinder(self, mesh: Mesh) -> Cylinder:
         """Return the paper's pose, `VertexPca` (section II-A)."""
-        return _POSE(mesh)
+        return _cylinder(mesh)
 
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
         """Mark the range image and let the vertices follow (section III-A); see `Scheme.embed`."""
@@ -123,10 +120,15 @@ class _Host(NamedTuple):
     image: RangeImage
 
 
+@lru_cache(maxsize=1)  # who has read a mesh asks for its axes
+def _cylinder(mesh: Mesh) -> Cylinder:
+    return VertexPca()(mesh)
+
+
 # the original is marked with one key after the other
 @lru_cache(maxsize=1)
 def _host(mesh: Mesh, grid: tuple[int, int]) -> _Host:
-    cylinder = _POSE(mesh)
+    cylinder = _cylinder(mesh)
     posed = cylinder.posed(mesh)
     return _Host(posed, radial_normals(mesh, posed), scan_posed(posed, mesh, grid, cylinder))
 

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.scanner.kernels import cosine_weight
 
 MOST_PARTS = 512
 """Most parts along a side of a face."""
@@ -17,10 +18,6 @@ MOST_PARTS = 512
 SLIVER = 0.2
 """Distance from the axis, over that at which cells are square, below which faces are cut no finer: cells are
 slivers there, with little in them."""
-
-
-_SINE = np.array([(-1) ** k * (math.pi ** (2 * k + 1)) / math.factorial(2 * k + 1) / 2 for k in range(11)])
-"""Taylor coefficients of ½ sin πy, whose next term is below 1e-16 for |y| ≤ ½."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -112,7 +109,7 @@ def _deal(flux: FloatArray, area: FloatArray, u: float, v: float, through: float
     """Deal the flux through a part and its area out to the four cells around it, by eqs. 10 and 11."""
     rows, columns = flux.shape
     u0, v0 = math.floor(u), math.floor(v)
-    fu, fv = _weight(u - u0), _weight(v - v0)
+    fu, fv = cosine_weight(u - u0), cosine_weight(v - v0)
     left = _wrapped(v0, columns)
     right = _wrapped(v0 + 1, columns)
     for row, weight in ((u0, fu), (u0 + 1, 1.0 - fu)):
@@ -134,15 +131,3 @@ def _wrapped(v: int, columns: int) -> np.uintp:
     if not 0 <= v < columns:
         v %= columns
     return np.uintp(v)
-
-
-@njit(cache=True, error_model="numpy")
-def _weight(x: float) -> float:
-    """Return (1 + cos πx)/2 for 0 ≤ x ≤ 1, by a series: faster than the cosine, and equal to a last bit."""
-    y = 0.5 - x
-    z = y * y
-    total = _SINE[10]
-    for k in range(9, -1, -1):
-        total = total * z + _SINE[k]
-    weight: float = 0.5 + y * total
-    return weight
