@@ -37,14 +37,16 @@ def killed(bench: Bench) -> None:
     for _ in range(10):
         with bench.started(*bench.command(bench.config, out, *options)) as process:
             before = stored(out)
-            wait_for(lambda before=before: stored(out) > before, moments.uniform(1, 20))
+            # some while it starts, most after it has stored something
+            wait_for(lambda before=before: stored(out) > before, moments.choice([2, 120, 120]))
             time.sleep(moments.uniform(0, 1))
             its_workers = children(process.pid)
             counts.append("finished" if process.poll() is not None else stored(out))
             process.kill()
         if not wait_for(lambda pids=its_workers: not any(map(running, pids)), 10):
             bench.check("workers leave within 10 s of a killed run", False, its_workers)
-    bench.check("ten kills before the end", "finished" not in counts, f"cells after each: {counts}")
+    amid = "finished" not in counts and counts[-1] > 0
+    bench.check("ten kills before the end", amid, f"cells after each: {counts}")
     done = bench.run(bench.config, out, *options)
     bench.check("resumed after ten kills", done.returncode == 0, done.stderr.splitlines()[0])
     bench.same("resumed after ten kills", out)

@@ -119,6 +119,16 @@ def test_reference_is_that_of_the_marked_mesh(embedded):
     np.testing.assert_allclose(home.T + reference.home[9:], frame.posed(marked), atol=1e-12)
 
 
+def test_cells_are_no_finer_than_the_mesh():
+    # 2562 vertices are 1.5 a cell for some 27 blocks; an unwelded copy has no more places than it had
+    unwelded = Mesh(SMALL.vertices[SMALL.faces.ravel()], np.arange(SMALL.faces.size).reshape(-1, 3))
+    for mesh in (SMALL, unwelded):
+        columns, rows = SCHEME.embed(mesh, 3)[1].reference.grid
+        assert len(SMALL.vertices) > 1.2 * rows * columns
+    columns, rows = SCHEMES.build("range-dct", {"blocks": 9}).embed(SMALL, 3)[1].reference.grid
+    assert rows * columns / 64 == pytest.approx(9, abs=3)
+
+
 @pytest.mark.parametrize("alpha", [0.1, 0.63, 2.0])
 def test_alpha_is_percent_of_the_size_so_that_the_snr_follows(alpha):
     marked, _ = SCHEMES.build("range-dct", {"alpha": alpha, "blocks": 20}).embed(SMALL, 3)

@@ -11,7 +11,7 @@ from wm3d.arrays import FloatArray, SignArray
 from wm3d.errors import Wm3dError
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct, inverse_block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
-from wm3d.mesh import Mesh, SolidMoments, orientation, solid_moments, vertex_normals
+from wm3d.mesh import Mesh, SolidMoments, orientation, places, solid_moments, vertex_normals
 from wm3d.mesh.solid import ENTRIES
 from wm3d.scanner.affine import AffineFrame, fitted_frame, principal_frame
 from wm3d.scanner.denoise import denoised, whitened_area
@@ -25,6 +25,9 @@ from wm3d.stats import RademacherSum, key_signs
 
 AXIS = 0.25
 """Distance from the axis, over the median, below which moves fade out: cells become thin wedges there."""
+
+FEWEST_VERTICES = 1.5
+"""Vertices a cell of the image, below which cells are made larger: what is finer than the mesh is lost."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Vector = tuple[float, float, float]
@@ -94,7 +97,8 @@ class RangeDct(Scheme):
         Root mean square move of the vertices, in percent of their root mean square distance from their mean:
         SNR = 40 dB − 20 dB lg α.
     blocks : int
-        8×8 blocks of the image, about; they are laid so that cells are square in the middle.
+        8×8 blocks of the image, about, for meshes with vertices enough (`FEWEST_VERTICES`); they are laid so
+        that cells are square in the middle.
     reference : Reference, optional
         What `embed` finds out of the mesh; detection needs it.
     """
@@ -167,7 +171,7 @@ class _Layout(NamedTuple):
     height: float
 
     @classmethod
-    def around(cls, posed: FloatArray, mesh: Mesh, blocks: int) -> "_Layout":
+    def around(cls, posed: FloatArray, mesh: Mesh, blocks: float) -> "_Layout":
         """Lay about so many blocks around a solid, of cells that are square at its mean distance."""
         a, b, c = (posed[mesh.faces[:, k]] for k in range(3))
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -218,7 +222,8 @@ class _Host(NamedTuple):
 def _host(mesh: Mesh, blocks: int) -> _Host:
     frame = principal_frame(mesh)
     posed = frame.posed(mesh)
-    layout = _Layout.around(posed, mesh, blocks)
+    affordable = len(places(posed).first) / (FEWEST_VERTICES * BLOCK**2)
+    layout = _Layout.around(posed, mesh, min(blocks, affordable))
     image = layout.image(posed, mesh)
     normals = pooled(posed, vertex_normals(mesh))
     length = np.linalg.norm(normals, axis=1)
