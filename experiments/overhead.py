@@ -29,7 +29,7 @@ from wm3d.schemes import Song2002
 MESH = "happy-buddha-300k"
 SCHEME = Song2002(grid=(84, 120), region=(26, 0, 80, 80), alpha=0.9)
 ATTACKS = [Simplify(simplifier="fast-simplification"), Simplify(simplifier="pymeshlab-quadric")]
-WRONG_KEYS = 20
+WRONG_KEYS = 50
 """As in configs/paper/fig6a.yaml."""
 
 PARTS = [

@@ -29,7 +29,9 @@ def main(mesh: str | None, schemes: str, repeats: int) -> None:
         except Wm3dError as error:
             print(f"{name:20s}{error}")
             continue
-        embed = [seconds(lambda scheme=scheme: scheme.embed(model, SEED)) for _ in range(repeats)]
+        # into a mesh not seen before: schemes keep what they found in the last one for its next key
+        unseen = [model.with_vertices(model.vertices.copy()) for _ in range(repeats)]
+        embed = [seconds(lambda scheme=scheme, mesh=mesh: scheme.embed(mesh, SEED)) for mesh in unseen]
         detect = [
             seconds(lambda known=known, marked=marked: known.score(marked, SEED)) for _ in range(repeats)
         ]
