@@ -52,6 +52,17 @@ def test_image_adds_up_to_the_solid_and_its_surface(grid):
     assert (image.areas >= 0).all()
 
 
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_corners_on_the_axis_have_no_angle_of_their_own(first):
+    cone = uv_cylinder(along=1)
+    tip = np.isclose(cone.vertices[:, 2], 1.0)
+    posed = about_z(Mesh(np.where(tip[:, None], [0.0, 0.0, 1.0], cone.vertices), cone.faces))
+    image = of(posed, np.roll(cone.faces, first, axis=1))
+    for seen in (image.volumes, image.areas):  # a turn by one column leaves the cone as it is
+        np.testing.assert_allclose(seen, np.roll(seen, 1, axis=1), rtol=1e-9, atol=1e-12)
+    assert image.areas.sum() == pytest.approx(surface_area(Mesh(posed, cone.faces)), rel=1e-12)
+
+
 def test_rows_beyond_the_cylinder_are_left_out():
     posed, faces = COARSE
     whole = volume_image(posed, faces, GRID, LOW, HEIGHT, 1)

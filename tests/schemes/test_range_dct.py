@@ -122,7 +122,8 @@ def test_reference_is_that_of_the_marked_mesh(embedded):
 def test_cells_are_no_finer_than_the_mesh():
     # 2562 vertices are 1.5 a cell for some 27 blocks; an unwelded copy has no more places than it had
     unwelded = Mesh(SMALL.vertices[SMALL.faces.ravel()], np.arange(SMALL.faces.size).reshape(-1, 3))
-    for mesh in (SMALL, unwelded):
+    stray = Mesh(np.vstack([SMALL.vertices, 0.5 * blob(1, 5).vertices]), SMALL.faces)  # points of no face
+    for mesh in (SMALL, unwelded, stray):
         columns, rows = SCHEME.embed(mesh, 3)[1].reference.grid
         assert len(SMALL.vertices) > 1.2 * rows * columns
     columns, rows = SCHEMES.build("range-dct", {"blocks": 9}).embed(SMALL, 3)[1].reference.grid

@@ -99,7 +99,8 @@ def test_mark_is_found_with_its_key_and_wrong_keys_follow_the_null(bunny):
 
 
 def test_embedding_is_deterministic_and_signs_of_other_seeds_differ():
-    first, again, other = (SMALL.embed(MESH, seed)[0] for seed in (3, 3, 4))
+    unseen = Mesh(MESH.vertices, MESH.faces)
+    first, again, other = (SMALL.embed(mesh, seed)[0] for mesh, seed in ((MESH, 3), (unseen, 3), (MESH, 4)))
     assert first.digest() == again.digest()
     assert first.digest() != other.digest()
     assert SMALL.capacity == 6 * 63

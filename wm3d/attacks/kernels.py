@@ -33,7 +33,7 @@ def with_noise(vertices: FloatArray, sigma: float, rng: np.random.Generator) -> 
 def count_faces(vertices: FloatArray, faces: IntArray, size: float) -> int:
     """Return how many different faces are left once the vertices in each cubic cell of edge `size` are one.
 
-    A hash of its three cells stands for a face; two faces share one with one chance in 10⁸ for a million
+    A hash of its three cells stands for a face; two faces share one with one chance in 10⁷ for a million
     faces.
     """
     codes = cell_codes(vertices, size)

@@ -274,6 +274,7 @@ def _hit(
             first[v] = max(first[v], t)
 
 
+# compiled into kernels of other files, which numba does not compile anew when this one changes
 _SINE = np.array([(-1) ** k * (math.pi ** (2 * k + 1)) / math.factorial(2 * k + 1) / 2 for k in range(11)])
 """Taylor coefficients of ½ sin πy, whose next term is below 1e-16 for |y| ≤ ½."""
 

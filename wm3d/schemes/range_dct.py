@@ -133,9 +133,10 @@ class RangeDct(Scheme):
 
         reference = _reference(marked, host, signs)
         if reference is None:
+            laid = host.mark.amplitude.shape[0]
             raise Wm3dError(
                 f"{mesh.name}: the mark cannot be read even from the marked mesh; try fewer blocks than "
-                f"{self.blocks} or a larger alpha than {self.alpha:g}."
+                f"{laid} or a larger alpha than {self.alpha:g}."
             )
         return marked, self.model_copy(update={"reference": reference})
 
@@ -222,7 +223,7 @@ class _Host(NamedTuple):
 def _host(mesh: Mesh, blocks: int) -> _Host:
     frame = principal_frame(mesh)
     posed = frame.posed(mesh)
-    affordable = len(places(posed).first) / (FEWEST_VERTICES * BLOCK**2)
+    affordable = len(places(posed[np.unique(mesh.faces)]).first) / (FEWEST_VERTICES * BLOCK**2)
     layout = _Layout.around(posed, mesh, min(blocks, affordable))
     image = layout.image(posed, mesh)
     normals = pooled(posed, vertex_normals(mesh))

@@ -78,7 +78,7 @@ class RangeScheme(Scheme):
 
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
         """Mark the range image and let the vertices follow (section III-A); see `Scheme.embed`."""
-        host = _host(mesh, self.grid)
+        host = _host(mesh, self._of_strength(0.0))  # which it does not depend on
         grey = self._grey(host.image, mesh.name)
         mark = self.image_mark
         if not mark.carried(grey.usable).any():
@@ -127,10 +127,10 @@ def _cylinder(mesh: Mesh) -> Cylinder:
 
 # the original is marked with one key after the other
 @lru_cache(maxsize=1)
-def _host(mesh: Mesh, grid: tuple[int, int]) -> _Host:
-    cylinder = _cylinder(mesh)
+def _host(mesh: Mesh, scheme: RangeScheme) -> _Host:
+    cylinder = scheme.cylinder(mesh)
     posed = cylinder.posed(mesh)
-    return _Host(posed, radial_normals(mesh, posed), scan_posed(posed, mesh, grid, cylinder))
+    return _Host(posed, radial_normals(mesh, posed), scan_posed(posed, mesh, scheme.grid, cylinder))
 
 
 class _GreyRegion:

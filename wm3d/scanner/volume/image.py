@@ -54,7 +54,8 @@ def volume_image(
     Notes
     -----
     φ is the cosine weight of eqs. 10 and 11 of the paper, so a cell shades off into its neighbours. Faces are
-    cut into equal parts no larger than a cell (`SAMPLES`), and each is integrated by three points.
+    cut into equal parts no larger than a cell (`SAMPLES`; near the axis than a cell further out,
+    `kernels.SLIVER`), and each is integrated by three points.
     """
     columns, rows = grid
     volumes, areas = kernels.deposit(posed, faces, rows, columns, hmin, height, SAMPLES)

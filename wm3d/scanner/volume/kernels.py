@@ -56,16 +56,19 @@ def deposit(
 
 @njit(cache=True, error_model="numpy")
 def _angles(posed: FloatArray) -> FloatArray:
-    """Return the angle of each of (n, 3) vertices around the axis, from s3 towards s2: (n,)."""
-    angles = np.empty(len(posed))
+    """Return the angle of each of (n, 3) vertices around the axis, from s3 towards s2, 0 on it: (n,)."""
+    angles = np.zeros(len(posed))
     for i in range(len(posed)):
-        angles[i] = math.atan2(posed[i, 1], posed[i, 2])
+        if posed[i, 1] != 0.0 or posed[i, 2] != 0.0:
+            angles[i] = math.atan2(posed[i, 1], posed[i, 2])
     return angles
 
 
 @njit(cache=True, error_model="numpy")
 def _angle_from(across: float, depth: float, x: float, y: float) -> float:
     """Angle from (across, depth) to (x, y) around the axis; nearly all are small, and a series is faster."""
+    if across == 0.0 and depth == 0.0:
+        return math.atan2(x, y)
     sine, cosine = x * depth - y * across, x * across + y * depth
     if not abs(sine) < 0.1 * cosine:
         return math.atan2(sine, cosine)
