@@ -48,7 +48,6 @@ class VertexPca(Component):
         first, second = (_sign(*spread[axis], axis=axis, name=mesh.name) for axis in range(2))
         axes *= np.array([[first], [second], [first * second]])
         hmin, hmax = (low, high) if first > 0 else (-high, -low)
-        mean.flags.writeable = axes.flags.writeable = False  # schemes keep a mesh's cylinder
         return Cylinder(mean, axes, radius, hmin, hmax)
 
 
