@@ -2,6 +2,7 @@
 
 from wm3d.mesh import datasets
 from wm3d.mesh.files import check_target, write_together, write_whole
+from wm3d.mesh.flaps import without_flaps
 from wm3d.mesh.io import ENDINGS, decode_mesh, encode_mesh, load_mesh, save_mesh
 from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.moments import (
@@ -42,6 +43,7 @@ __all__ = [
     "vertex_normals",
     "volume_moments",
     "whitening",
+    "without_flaps",
     "write_together",
     "write_whole",
 ]

@@ -11,7 +11,15 @@ from wm3d.arrays import FloatArray, SignArray
 from wm3d.errors import Wm3dError
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct, inverse_block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
-from wm3d.mesh import Mesh, SolidMoments, orientation, places, solid_moments, vertex_normals
+from wm3d.mesh import (
+    Mesh,
+    SolidMoments,
+    orientation,
+    places,
+    solid_moments,
+    vertex_normals,
+    without_flaps,
+)
 from wm3d.mesh.solid import ENTRIES
 from wm3d.scanner.affine import AffineFrame, fitted_frame, principal_frame
 from wm3d.scanner.denoise import denoised, whitened_area
@@ -141,12 +149,12 @@ class RangeDct(Scheme):
         return marked, self.model_copy(update={"reference": reference})
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
-        """Smooth away crumples, find the pose, lay the surface over the landmarks, read the volume image.
+        """Take off flaps, smooth crumples, pose, lay the surface over the landmarks, read the volume image.
 
         See `Scheme.evidence`.
         """
         known = self._known
-        mesh = denoised(mesh, known.area)
+        mesh = denoised(without_flaps(mesh), known.area)
         frame = fitted_frame(mesh, SolidMoments.of_entries(known.moments))
         surface = Surface.of(mesh)
         found = registered(surface, Landmarks.decode(known.landmarks), known.poses(frame, surface))
@@ -221,11 +229,12 @@ class _Host(NamedTuple):
 # the original is marked with one key after the other, or at one strength after the other
 @lru_cache(maxsize=1)
 def _host(mesh: Mesh, blocks: int) -> _Host:
-    frame = principal_frame(mesh)
+    whole = without_flaps(mesh)  # as it will be read; the vertices are the same
+    frame = principal_frame(whole)
     posed = frame.posed(mesh)
     affordable = len(places(posed[np.unique(mesh.faces)]).first) / (FEWEST_VERTICES * BLOCK**2)
-    layout = _Layout.around(posed, mesh, min(blocks, affordable))
-    image = layout.image(posed, mesh)
+    layout = _Layout.around(posed, whole, min(blocks, affordable))
+    image = layout.image(posed, whole)
     normals = pooled(posed, vertex_normals(mesh))
     length = np.linalg.norm(normals, axis=1)
     distance = np.hypot(posed[:, 1], posed[:, 2])
@@ -237,6 +246,7 @@ def _host(mesh: Mesh, blocks: int) -> _Host:
 def _reference(marked: Mesh, host: _Host, signs: SignArray) -> Reference | None:
     """Measure what detection needs on the marked mesh; None if even there the mark is not found."""
     frame, layout, response = host.frame, host.layout, host.mark.response
+    marked = without_flaps(marked)
     seen = layout.image(frame.posed(marked), marked)
     gained = block_dct(seen.volumes - host.image.volumes)[:, 1:] * signs.reshape(-1, AC)
     survives = float((gained * response).sum() / (response**2).sum())

@@ -1,0 +1,70 @@
+"""Faces that bound nothing: flaps that stick out of a surface where a simplifier folded it flat."""
+
+import numpy as np
+
+from wm3d.arrays import IntArray
+from wm3d.mesh.mesh import Mesh
+from wm3d.mesh.places import places
+
+SIDES, SHARED = 3, 2
+"""Of a face, and faces at an edge of a surface that is whole."""
+
+LOOSE = 2
+"""Sides of a face that run in the more frequent direction of their edges, from which it may be a flap."""
+
+
+def without_flaps(mesh: Mesh) -> Mesh:
+    """Return the mesh without its flaps; the same object if it has none.
+
+    Where a simplifier folds a thin part flat, faces lie on each other, and one that drops repeated faces
+    leaves a single one, with the solid on neither side or on the wrong one. No ray minds, but an integral
+    over the surface counts the whole cone behind it. Each edge of a closed surface is run through as often in
+    one direction as in the other; a flap is a face by whose removal more of its edges come into that balance
+    than fall out of it. One whose edges all want a face of the other winding is turned over instead. The
+    rim of an open mesh stays: a flap hangs at an edge of three faces or more, or at another flap.
+
+    Vertices in one place count as one.
+    """
+    place = places(mesh.vertices).place
+    start = place[mesh.faces]
+    end = start[:, [1, 2, 0]]
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    _, edges = np.unique(low * len(place) + high, return_inverse=True)
+    turns = _turns(edges.reshape(-1, 3), np.sign(end - start))
+    kept = turns != 0
+    if (turns == 1).all() or not kept.any():
+        return mesh
+    faces = np.where((turns < 0)[:, None], mesh.faces[:, ::-1], mesh.faces)
+    return Mesh(mesh.vertices, faces[kept], mesh.name)
+
+
+def _turns(edges: IntArray, direction: IntArray) -> IntArray:
+    """Return 1 for faces that stay as they are, 0 for flaps, −1 for those that are turned over: (m,).
+
+    Parameters
+    ----------
+    edges : (m, 3) ndarray
+        The edge along each side of each face.
+    direction : (m, 3) ndarray
+        ±1, the way in which the face runs through it; 0 where the side is a point.
+    """
+    uses = np.bincount(edges.ravel())
+    net = np.bincount(edges.ravel(), direction.ravel()).astype(np.int64)
+    turns = np.ones(len(edges), dtype=np.int64)
+    while True:
+        excess = (net[edges] * direction > 0) & (turns == 1)[:, None]
+        loose, at_rim = excess.sum(axis=1), (uses[edges] == 1).any(axis=1)
+        hangs = (loose == SIDES) | (loose >= LOOSE) & (excess & (uses[edges] > SHARED)).any(axis=1)
+        order = np.argsort(-2 * loose - at_rim, kind="stable")  # the likeliest first: each may bare the next
+        changed = False
+        for face in order[hangs[order]]:
+            its, way = edges[face], direction[face]
+            if (net[its] * way > 0).sum() < LOOSE:
+                continue  # a removal before has set it right
+            changed = True
+            over = (net[its] * way > 1).all()
+            turns[face] = -1 if over else 0
+            net[its] -= (2 if over else 1) * way
+            uses[its] -= 0 if over else 1
+        if not changed:
+            return turns
