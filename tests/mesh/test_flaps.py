@@ -74,6 +74,12 @@ def test_an_open_mesh_keeps_its_rim():
     assert without_flaps(bowl) is bowl
 
 
+def test_a_soup_of_faces_is_left_as_it_is():
+    noisy = UNWELDED.vertices + np.random.default_rng(0).normal(size=UNWELDED.vertices.shape) * 1e-3
+    soup = Mesh(noisy, UNWELDED.faces)
+    assert without_flaps(soup) is soup
+
+
 def test_what_clustering_leaves_unbalanced_is_nearly_all_set_right(bunny):
     clustered = Simplify(ratio=0.05, simplifier="clustering")(bunny, np.random.default_rng(0))
     before, after = unbalanced(clustered), unbalanced(without_flaps(clustered))

@@ -12,6 +12,9 @@ SIDES, SHARED = 3, 2
 LOOSE = 2
 """Sides of a face that run in the more frequent direction of their edges, from which it may be a flap."""
 
+MOST = 0.5
+"""Share of the faces from which they are not flaps but a soup."""
+
 
 def without_flaps(mesh: Mesh) -> Mesh:
     """Return the mesh without its flaps; the same object if it has none.
@@ -23,7 +26,7 @@ def without_flaps(mesh: Mesh) -> Mesh:
     than fall out of it. One whose edges all want a face of the other winding is turned over instead. The
     rim of an open mesh stays: a flap hangs at an edge of three faces or more, or at another flap.
 
-    Vertices in one place count as one.
+    Vertices in one place count as one; a soup of faces that hang together nowhere has no flaps.
     """
     place = places(mesh.vertices).place
     start = place[mesh.faces]
@@ -55,6 +58,8 @@ def _turns(edges: IntArray, direction: IntArray) -> IntArray:
         excess = (net[edges] * direction > 0) & (turns == 1)[:, None]
         loose, at_rim = excess.sum(axis=1), (uses[edges] == 1).any(axis=1)
         hangs = (loose == SIDES) | (loose >= LOOSE) & (excess & (uses[edges] > SHARED)).any(axis=1)
+        if hangs.mean() > MOST:
+            return np.ones_like(turns)
         order = np.argsort(-2 * loose - at_rim, kind="stable")  # the likeliest first: each may bare the next
         changed = False
         for face in order[hangs[order]]:
