@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from shapes import blob, box, inside_out, rotation
+from shapes import blob, box, inside_out, rotation, soup
 
 from wm3d.attacks import GaussianNoise
 from wm3d.errors import Wm3dError
@@ -24,11 +24,6 @@ def smoothed(mesh: Mesh, steps: int) -> Mesh:
     for _ in range(steps):
         mesh = mesh.with_vertices(umbrella_step(mesh.vertices, mesh.faces, STEP))
     return mesh
-
-
-def soup(mesh: Mesh) -> Mesh:
-    """The same surface with three vertices of its own for every face."""
-    return Mesh(mesh.vertices[mesh.faces].reshape(-1, 3), np.arange(mesh.faces.size).reshape(-1, 3), "soup")
 
 
 def test_whitened_area_of_a_box():

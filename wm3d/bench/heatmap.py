@@ -111,7 +111,8 @@ def heatmap_figure(detection: pd.DataFrame, pf: float, credits: Mapping[str, str
         text = (
             f"Pd: share of {_counts(detection)} keys found, each held to Pf by the exact key null of its own "
             "mesh; where a mesh cannot be read, the mark is not found. d′: mean of z, whose null has mean 0 "
-            f"and variance 1. Its colour turns at z = {norm.isf(pf):.2f}, from which a mark is found."
+            f"and variance 1. Its colour turns at z = {norm.isf(pf):.2f}, from which a mark is found. "
+            "95 % intervals stand in the table of detection."
         )
         if detection["sigma_percent"].notna().any():
             text += SIGMA_CAPTION

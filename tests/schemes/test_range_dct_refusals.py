@@ -1,0 +1,101 @@
+"""What the robust scheme refuses to mark or to read, and wrong parameters: each in one sentence."""
+
+import numpy as np
+import pytest
+from shapes import blob, box, icosphere, inside_out, uv_cylinder
+
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh
+from wm3d.schemes import SCHEMES
+
+SCHEME = SCHEMES.build("range-dct", {})
+MESH = blob(0, 4)
+
+
+@pytest.fixture(scope="module")
+def embedded():
+    """The blob marked with seed 1, and the scheme that reads it."""
+    return SCHEME.embed(MESH, 1)
+
+
+def test_scheme_without_a_reference_says_so():
+    for call in (lambda: SCHEME.evidence(MESH), lambda: SCHEME.score(MESH, 1), lambda: SCHEME.capacity):
+        with pytest.raises(Wm3dError, match="reads a mesh with the reference that its embedding returned"):
+            call()
+
+
+SHEET = Mesh([[0, 0, 0], [5, 0, 0], [5, 3, 0], [0, 2, 0]], [[0, 1, 2], [0, 2, 3]], "sheet")
+
+
+@pytest.mark.parametrize(
+    ("mesh", "sentence"),
+    [
+        (SHEET, "its faces enclose no volume"),
+        (icosphere(3), "looks the same, or nearly, from another side"),
+        (box((3, 2, 1)), "looks the same, or nearly, from another side"),
+        (uv_cylinder(1, 5, 32, 4), "looks the same, or nearly, from another side"),
+    ],
+    ids=lambda value: value.name if isinstance(value, Mesh) else "",
+)
+def test_mesh_that_cannot_carry_the_mark_is_refused(mesh, sentence):
+    with pytest.raises(Wm3dError, match=f"^{mesh.name}: {sentence}") as refusal:
+        SCHEME.embed(mesh, 1)
+    assert "\n" not in str(refusal.value)
+
+
+def test_sheet_cannot_be_read(embedded):
+    with pytest.raises(Wm3dError, match=r"^sheet: its faces enclose no volume"):
+        embedded[1].evidence(SHEET)
+
+
+def beside_a_void(mesh: Mesh) -> Mesh:
+    """The mesh and, at some distance, an inward-wound ball: a solid of negative second moments."""
+    void = inside_out(icosphere(3, 0.5))
+    vertices = np.vstack([mesh.vertices, void.vertices + np.array([4, 0, 0])])
+    return Mesh(vertices, np.vstack([mesh.faces, void.faces + len(mesh.vertices)]), "both ways")
+
+
+def test_mesh_whose_parts_are_wound_both_ways_is_refused_not_read_as_nan(embedded):
+    marked, scheme = embedded
+    for call in (
+        lambda: scheme.evidence(beside_a_void(marked)),
+        lambda: SCHEME.embed(beside_a_void(MESH), 1),
+    ):
+        with pytest.raises(Wm3dError, match=r"^both ways: "):
+            call()
+
+
+GOOD = {
+    "grid": (96, 64),
+    "hmin": -1.5,
+    "height": 3.0,
+    "moments": (0.1,) * 31,
+    "offset": (0, 0, 0),
+    "area": 8.0,
+    "landmarks": "",
+    "home": (0,) * 12,
+    "strength": 0.01,
+}
+
+
+@pytest.mark.parametrize(
+    ("parameters", "sentence"),
+    [
+        ({"alpha": 0}, "alpha = 0: input should be greater than 0"),
+        ({"blocks": 0}, "blocks = 0: input should be greater than or equal to 1"),
+        ({"aplha": 1}, "unknown parameter 'aplha', did you mean 'alpha'?"),
+        ({"reference": GOOD | {"grid": (96, 60)}}, "grid.1 = 60: input should be a multiple of 8"),
+        ({"reference": GOOD | {"height": 0}}, "height = 0: input should be greater than 0"),
+        ({"reference": GOOD | {"hmin": np.nan}}, "hmin = nan: input should be a finite number"),
+        ({"reference": GOOD | {"moments": (0.1,) * 30}}, "moments"),
+        ({"reference": GOOD | {"landmarks": "AAAA"}}, "rows of six numbers, and 3 bytes are not"),
+        ({"reference": GOOD | {"landmarks": "é"}}, "landmarks must be base64"),
+        ({"reference": GOOD | {"pose": "pca"}}, "pose"),
+    ],
+)
+def test_wrong_parameters_are_named_in_one_sentence(parameters, sentence):
+    assert SCHEMES.build("range-dct", {"reference": GOOD}).capacity == 96 * 63
+    with pytest.raises(Wm3dError) as refusal:
+        SCHEMES.build("range-dct", parameters)
+    assert sentence in str(refusal.value)
+    assert "\n" not in str(refusal.value)
