@@ -7,12 +7,18 @@ from shapes import box, icosphere, inside_out
 
 from wm3d.attacks import IsotropicRemesh, MarchingCubes, ScreenedPoisson
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, is_closed, signed_volume
+from wm3d.mesh import Mesh, is_balanced, is_closed, signed_volume
 
 RNG = np.random.default_rng(0)
 SPHERE = icosphere(4)
 OPEN = Mesh(SPHERE.vertices, SPHERE.faces[:-40], name="cup")
 SOUP = Mesh(SPHERE.vertices[SPHERE.faces].reshape(-1, 3), np.arange(SPHERE.faces.size).reshape(-1, 3), "soup")
+
+BOX = box()
+MORE = BOX.vertices[2:] + np.array([1.0, 1.0, 0.0])
+TOUCHING = Mesh(  # two boxes: corners 6 and 7 of the first are 0 and 1 of the second
+    np.vstack([BOX.vertices, MORE]), np.vstack([BOX.faces, BOX.faces + 6]), "touching"
+)
 
 
 @pytest.mark.parametrize("cells", [16, 40])
@@ -32,6 +38,13 @@ def test_marching_cubes_stay_within_a_cell_of_a_sphere(cells):
 def test_marching_cubes_refuse_what_has_no_inside(mesh):
     with pytest.raises(Wm3dError, match=r"needs a closed surface.*weld it.*screened-poisson"):
         MarchingCubes()(mesh, RNG)
+
+
+def test_marching_cubes_take_two_boxes_that_share_an_edge():
+    result = MarchingCubes(cells=96)(TOUCHING, RNG)
+    assert is_balanced(TOUCHING)
+    assert not is_closed(TOUCHING)
+    assert signed_volume(result) == pytest.approx(2, rel=0.02)
 
 
 @pytest.mark.parametrize("attack", [MarchingCubes(cells=32), ScreenedPoisson(depth=5), IsotropicRemesh()])

@@ -9,6 +9,7 @@ import pandas as pd
 from joblib import Parallel, delayed, parallel_config
 from joblib.externals.loky.process_executor import TerminatedWorkerError
 
+from wm3d.bench.allocator import keeping_memory
 from wm3d.bench.plan import Task
 from wm3d.bench.worker import leave_with_parent, work
 from wm3d.mesh import Mesh
@@ -87,8 +88,9 @@ def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
                 # no calls ahead: those in flight are the suspects
                 parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
             try:
-                for index, rows in parallel(calls(left, started)):
-                    yield left.pop(index), rows
+                with keeping_memory():
+                    for index, rows in parallel(calls(left, started)):
+                        yield left.pop(index), rows
             except TerminatedWorkerError:
                 suspects += [left.pop(index) for index in sorted(started & left.keys())]
         return suspects

@@ -8,6 +8,7 @@ from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.moments import (
     VertexMoments,
     VolumeMoments,
+    is_balanced,
     is_closed,
     orientation,
     signed_volume,
@@ -30,6 +31,7 @@ __all__ = [
     "datasets",
     "decode_mesh",
     "encode_mesh",
+    "is_balanced",
     "is_closed",
     "load_mesh",
     "orientation",
