@@ -21,7 +21,7 @@ from wm3d.imagemarks import DctAdditive
 from wm3d.mesh import datasets, write_whole
 from wm3d.scanner import Cylinder, RangeImage, scan
 from wm3d.schemes import Song2002
-from wm3d.schemes.movement import move_vertices
+from wm3d.schemes.movement import move_vertices, radial_normals
 
 FloatArray = NDArray[np.float64]
 
@@ -142,7 +142,8 @@ def wanted_change(scheme: Song2002, mesh: Mesh, seed: int) -> tuple[RangeImage, 
     mark = DctAdditive(alpha=scheme.alpha, detector=scheme.detector)
     change = np.zeros_like(image.ranges)
     change[window] = (mark.embed(grey, scheme.signs(seed)) - grey) * level
-    marked = move_vertices(mesh, image.cylinder.posed(mesh), image.cylinder, change)
+    posed = image.cylinder.posed(mesh)
+    marked = move_vertices(mesh, posed, radial_normals(mesh, posed), image.cylinder, change)
     return image, change, marked
 
 

@@ -147,11 +147,11 @@ def run(scheme: Scheme, mesh: Mesh, trials: int) -> tuple[pd.DataFrame, dict[str
 def drift(reader: Scheme, marked: Mesh, attacked: Mesh) -> float:
     """Return how far an attack moves what the scheme measures from; see `DRIFT`."""
     if isinstance(reader, Wang2011):
-        before, after = volume_frame(marked), volume_frame(attacked)
-        shift = max(abs(after.low - before.low), abs(after.high - before.high))
-        return float(100 * shift / (before.high - before.low) * reader.grid[0])
+        frame, moved = volume_frame(marked), volume_frame(attacked)
+        shift = max(abs(moved.low - frame.low), abs(moved.high - frame.high))
+        return float(100 * shift / (frame.high - frame.low) * reader.grid[0])
     if not isinstance(reader, RadialScheme):
-        raise TypeError(f"no drift is defined for {reader.name}")
+        raise TypeError(f"no drift is defined for {reader.label()}")
     before, after = reader.spread(marked), reader.spread(attacked)
     width = (before.high - before.low) / before.bins
     return float(100 * np.linalg.norm(after.center - before.center) / width)
