@@ -56,6 +56,9 @@ def main(run: Path) -> int:
     detection, snr, axes = (
         pd.read_csv(run / "tables" / f"{name}.csv") for name in ("detection", "snr", "axes")
     )
+    missing = {mesh for mesh, _ in REFERENCE_Z} - set(detection["mesh"])
+    if missing:
+        sys.exit(f"{run}: has nothing on {', '.join(sorted(missing))}; is it a run of configs/agreement.yaml?")
     apart = 0
     for mesh, alpha in REFERENCE_Z:
         ours = snr[_of(snr, mesh, alpha)]["snr_db"].item()

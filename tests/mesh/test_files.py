@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from wm3d.errors import Wm3dError
-from wm3d.mesh import check_target, write_together
+from wm3d.mesh import Secret, check_target, write_together
 
 
 def test_files_are_written_together(tmp_path: Path) -> None:
@@ -25,6 +25,7 @@ def test_a_refused_rename_brings_every_file_back(
     refused: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "b").write_bytes(b"old")
+    (tmp_path / "b").chmod(0o600)
     replace = Path.replace
 
     def guarded(self: Path, target: Path) -> Path:
@@ -36,6 +37,18 @@ def test_a_refused_rename_brings_every_file_back(
     with pytest.raises(Wm3dError, match=rf"{refused}: cannot be written \(Operation not permitted\)"):
         write_together({tmp_path / name: b"new" for name in "abc"})
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {"b": b"old"}
+    assert os.name != "posix" or (tmp_path / "b").stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.skipif(os.name != "posix", reason="other systems have no such modes")
+def test_secrets_are_for_their_owner_alone(tmp_path: Path) -> None:
+    before = os.umask(0o022)
+    try:
+        write_together({tmp_path / "mesh": b"1", tmp_path / "key": Secret(b"2")})
+    finally:
+        os.umask(before)
+    modes = {file.name: oct(file.stat().st_mode & 0o777) for file in tmp_path.iterdir()}
+    assert modes == {"mesh": "0o644", "key": "0o600"}
 
 
 def test_devices_are_not_replaced() -> None:

@@ -1,7 +1,7 @@
 """Meshes: the immutable triangle mesh, its files, its moments and the registry of named data."""
 
 from wm3d.mesh import datasets
-from wm3d.mesh.files import check_target, write_together, write_whole
+from wm3d.mesh.files import Secret, check_target, write_together, write_whole
 from wm3d.mesh.flaps import without_flaps
 from wm3d.mesh.io import ENDINGS, decode_mesh, encode_mesh, load_mesh, save_mesh
 from wm3d.mesh.mesh import Mesh
@@ -24,6 +24,7 @@ from wm3d.mesh.solid import SolidMoments, solid_moments, whitening
 __all__ = [
     "ENDINGS",
     "Mesh",
+    "Secret",
     "SolidMoments",
     "VertexMoments",
     "VolumeMoments",

@@ -4,9 +4,17 @@ import os
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 
 from wm3d.errors import Wm3dError
+
+OWNER_ALONE, EVERYBODY = 0o600, 0o666
+"""Modes of new files, of which the process's umask takes away."""
+
+
+class Secret(bytes):
+    """Content that only the owner of its file may read, where the system has such modes."""
 
 
 def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
@@ -16,7 +24,7 @@ def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     ----------
     path : str or path
         Target; an existing file is replaced, a symbolic link keeps pointing where it points.
-    content : bytes
+    content : bytes or Secret
         The whole content.
 
     Raises
@@ -67,15 +75,16 @@ def _staged(path: str | os.PathLike[str], content: bytes) -> Iterator[Callable[[
     """Hold a content under a temporary name next to its target; the call that is yielded renames it."""
     check_target(path)
     target = Path(os.path.realpath(path))
-    # not tempfile: its files are readable by their owner alone, and the mode survives the rename
+    # not tempfile, which gives all its files one mode; it survives the rename
     temporary = target.with_name(f".wm3d-{secrets.token_hex(6)}.tmp")
+    mode = OWNER_ALONE if isinstance(content, Secret) else EVERYBODY
 
     def put_in_place() -> None:
         with _blaming(path):
             temporary.replace(target)
 
     try:
-        with _blaming(path), temporary.open("xb") as stream:
+        with _blaming(path), open(temporary, "xb", opener=partial(os.open, mode=mode)) as stream:
             stream.write(content)
         yield put_in_place
     finally:
@@ -94,7 +103,10 @@ def _blaming(path: str | os.PathLike[str]) -> Iterator[None]:
 @contextmanager
 def _restored_on_error(target: Path) -> Iterator[None]:
     """Bring a file back to what it was, or to its absence, if what follows fails."""
-    old = target.read_bytes() if target.exists() else None
+    old = None
+    if target.exists():
+        kind = bytes if target.stat().st_mode & ~OWNER_ALONE & EVERYBODY else Secret
+        old = kind(target.read_bytes())
     try:
         yield
     except BaseException:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, write_whole
+from wm3d.mesh import Mesh, Secret, write_whole
 from wm3d.schemes.base import Scheme
 from wm3d.schemes.registry import SCHEMES
 from wm3d.stats import Score
@@ -45,7 +45,7 @@ class Key:
         return replace(self, scheme=self.scheme.with_original(original))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the key as JSON.
+        """Write the key as JSON, for its owner's eyes only.
 
         Raises
         ------
@@ -54,10 +54,10 @@ class Key:
         """
         write_whole(path, self.encode())
 
-    def encode(self) -> bytes:
+    def encode(self) -> Secret:
         """Return the content of a key file."""
         content = {"format": FORMAT, "seed": self.seed, "scheme": self.scheme.model_dump(mode="json")}
-        return (json.dumps(content, indent=2) + "\n").encode()
+        return Secret((json.dumps(content, indent=2) + "\n").encode())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Key":
