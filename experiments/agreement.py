@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from wm3d.bench.config import load_experiment
+
 NOISE_RMS, NOISE_AXIS = "gaussian-noise 0.6 rms-vector", "gaussian-noise 0.6 per-axis"
 QUADRIC, CLUSTERING = "simplify 0.5 fast-simplification", "simplify 0.5 clustering"
 
@@ -56,9 +58,8 @@ def main(run: Path) -> int:
     detection, snr, axes = (
         pd.read_csv(run / "tables" / f"{name}.csv") for name in ("detection", "snr", "axes")
     )
-    missing = {mesh for mesh, _ in REFERENCE_Z} - set(detection["mesh"])
-    if missing:
-        sys.exit(f"{run}: has nothing on {', '.join(sorted(missing))}; is it a run of configs/agreement.yaml?")
+    if (name := load_experiment(run / "config.yaml").name) != "agreement":
+        sys.exit(f"{run}: is a run of {name}; run configs/agreement.yaml.")
     apart = 0
     for mesh, alpha in REFERENCE_Z:
         ours = snr[_of(snr, mesh, alpha)]["snr_db"].item()
