@@ -7,6 +7,7 @@ from shapes import blob, box, icosphere, inside_out, rotation, tetrahedron, uv_c
 from wm3d.errors import Wm3dError
 from wm3d.mesh import (
     Mesh,
+    is_balanced,
     is_closed,
     orientation,
     signed_volume,
@@ -139,6 +140,20 @@ def test_closed_means_one_opposite_for_each_directed_edge():
     one_flipped[3] = one_flipped[3, ::-1]
     assert not is_closed(Mesh(cube.vertices, one_flipped))
     assert not is_closed(Mesh(cube.vertices, np.vstack([cube.faces, cube.faces])))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_balanced_means_that_directed_edges_and_their_opposites_are_the_same(seed):
+    rng = np.random.default_rng(seed)
+    faces = rng.integers(0, 50_000, size=(200, 3))  # below, some occur twice, some are points
+    faces = np.vstack([faces, faces[:20], faces[:5, [0, 0, 0]], faces[:5, [0, 0, 1]]])
+    backwards = faces[:, ::-1]
+    vertices = rng.normal(size=(50_000, 3))
+    for chosen in (np.vstack([faces, backwards]), np.vstack([faces, backwards[1:]]), faces):
+        mesh = Mesh(vertices, rng.permutation(chosen))
+        directed = np.vstack([mesh.faces[:, [i, (i + 1) % 3]] for i in range(3)])
+        same = np.array_equal(*(np.sort(edges @ [50_000, 1]) for edges in (directed, directed[:, ::-1])))
+        assert is_balanced(mesh) == same == (len(chosen) == 2 * len(faces))
 
 
 def test_sheet_has_no_volume_moments():

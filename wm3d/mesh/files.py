@@ -4,7 +4,6 @@ import os
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from functools import partial
 from pathlib import Path
 
 from wm3d.errors import Wm3dError
@@ -84,8 +83,10 @@ def _staged(path: str | os.PathLike[str], content: bytes) -> Iterator[Callable[[
             temporary.replace(target)
 
     try:
-        with _blaming(path), open(temporary, "xb", opener=partial(os.open, mode=mode)) as stream:
-            stream.write(content)
+        with _blaming(path):
+            temporary.touch(mode, exist_ok=False)
+            with temporary.open("wb") as stream:
+                stream.write(content)
         yield put_in_place
     finally:
         temporary.unlink(missing_ok=True)

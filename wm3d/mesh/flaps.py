@@ -4,6 +4,7 @@ import numpy as np
 
 from wm3d.arrays import IntArray
 from wm3d.mesh.mesh import Mesh
+from wm3d.mesh.moments import is_balanced
 from wm3d.mesh.places import places
 
 SIDES, SHARED = 3, 2
@@ -28,6 +29,8 @@ def without_flaps(mesh: Mesh) -> Mesh:
 
     Vertices in one place count as one; a soup of faces that hang together nowhere has no flaps.
     """
+    if is_balanced(mesh):
+        return mesh
     place = places(mesh.vertices).place
     start = place[mesh.faces]
     end = start[:, [1, 2, 0]]

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wm3d.arrays import FloatArray, IntArray
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
 from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
@@ -70,8 +70,9 @@ def orientation(mesh: Mesh) -> int:
 
 def is_closed(mesh: Mesh) -> bool:
     """Tell whether every directed edge occurs once and has exactly one opposite."""
-    edges, opposites = _directed_edges(mesh)
-    return bool(np.array_equal(edges, opposites) and (np.diff(edges) > 0).all())
+    start, end = mesh.faces.ravel(), mesh.faces[:, [1, 2, 0]].ravel()
+    edges = np.sort(start * len(mesh.vertices) + end)
+    return is_balanced(mesh) and bool((np.diff(edges) > 0).all())
 
 
 def is_balanced(mesh: Mesh) -> bool:
@@ -80,14 +81,7 @@ def is_balanced(mesh: Mesh) -> bool:
     Then the winding number is whole everywhere off the surface. Beside closed surfaces these are such as
     touch themselves, with four faces at an edge.
     """
-    return bool(np.array_equal(*_directed_edges(mesh)))
-
-
-def _directed_edges(mesh: Mesh) -> tuple[IntArray, IntArray]:
-    """Return all directed edges and all their opposites as numbers, each in order: twice (3 m,)."""
-    start, end = mesh.faces.ravel(), mesh.faces[:, [1, 2, 0]].ravel()
-    n = len(mesh.vertices)
-    return np.sort(start * n + end), np.sort(end * n + start)
+    return bool(kernels.edge_sum(mesh.faces) == 0)
 
 
 def volume_moments(mesh: Mesh) -> VolumeMoments:
