@@ -55,11 +55,11 @@ REFERENCE_AXES = {
 
 def main(run: Path) -> int:
     """Print our mean beside the reference for every cell; return 1 if one differs by more than its bound."""
+    if (name := load_experiment(run / "config.yaml").name) != "agreement":
+        sys.exit(f"{run}: is a run of {name}; run configs/agreement.yaml.")
     detection, snr, axes = (
         pd.read_csv(run / "tables" / f"{name}.csv") for name in ("detection", "snr", "axes")
     )
-    if (name := load_experiment(run / "config.yaml").name) != "agreement":
-        sys.exit(f"{run}: is a run of {name}; run configs/agreement.yaml.")
     apart = 0
     for mesh, alpha in REFERENCE_Z:
         ours = snr[_of(snr, mesh, alpha)]["snr_db"].item()

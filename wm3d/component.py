@@ -25,10 +25,6 @@ class Component(BaseModel):
     version: ClassVar[int] = 1
     legend: ClassVar[tuple[str, ...]] = ()
 
-    def __hash__(self) -> int:
-        """Return the hash of the parameters, which may be lists too."""
-        return hash(self.model_dump_json())
-
     @property
     def engines(self) -> tuple[str, ...]:
         """Distributions, named as on PyPI, whose release may change the numbers of this component."""

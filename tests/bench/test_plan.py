@@ -88,7 +88,7 @@ def test_what_is_named_twice_is_run_once():
 
 def test_other_meshes_are_all_but_the_marked_one():
     cells = plan(experiment(cross_meshes=["one", "two"]), MESHES)
-    crossed = {(cell.mesh, cell.unmarked) for cell in cells if cell.hypothesis == "H0-other-mesh"}
+    crossed = {(cell.mesh, cell.subject[0]) for cell in cells if cell.hypothesis == "H0-other-mesh"}
     assert crossed == {("one", "two"), ("two", "one")}
 
 

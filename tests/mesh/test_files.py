@@ -25,7 +25,7 @@ def test_a_refused_rename_brings_every_file_back(
     refused: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "b").write_bytes(b"old")
-    (tmp_path / "b").chmod(0o600)
+    (tmp_path / "b").chmod(0o640)
     replace = Path.replace
 
     def guarded(self: Path, target: Path) -> Path:
@@ -37,7 +37,7 @@ def test_a_refused_rename_brings_every_file_back(
     with pytest.raises(Wm3dError, match=rf"{refused}: cannot be written \(Operation not permitted\)"):
         write_together({tmp_path / name: b"new" for name in "abc"})
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == {"b": b"old"}
-    assert os.name != "posix" or (tmp_path / "b").stat().st_mode & 0o777 == 0o600
+    assert os.name != "posix" or (tmp_path / "b").stat().st_mode & 0o777 == 0o640
 
 
 @pytest.mark.skipif(os.name != "posix", reason="other systems have no such modes")

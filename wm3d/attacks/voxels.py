@@ -28,6 +28,8 @@ class MarchingCubes(Attack):
         The grid has cells of 1/cells of the diagonal of the bounding box.
     """
 
+    version: ClassVar[int] = 2
+
     name: Literal["marching-cubes"] = "marching-cubes"
     random: ClassVar[bool] = False
     legend: ClassVar[tuple[str, ...]] = ("cells",)

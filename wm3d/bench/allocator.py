@@ -29,4 +29,5 @@ def keeping_memory() -> Iterator[None]:
     try:
         yield
     finally:
-        del os.environ[_VARIABLE]
+        if os.environ.get(_VARIABLE) == KEEP_MEMORY:
+            del os.environ[_VARIABLE]

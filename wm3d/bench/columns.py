@@ -28,8 +28,8 @@ TRIALS = {
 `seconds` is the time of attack and scoring, `embed_seconds` that of embedding, of which the first key of a
 block may pay for what a scheme keeps for the next ones. Scores are NaN where the attack failed.
 `bit_error_rate` is that of marked meshes, NaN for schemes without a message; `log10_p_least` is the log10 of
-the least p-value that any key reaches on the mesh that was read, and `embed_mb` the memory of embedding
-(`bench.memory`)."""
+the least p-value that any key reaches on the mesh that was read, and `embed_mb` the memory of embedding the
+first key of a block (`bench.memory`), NaN for the others."""
 
 ADDED = {"bit_error_rate", "log10_p_least", "embed_mb"}
 """Columns that cells of earlier versions lack; they read as NaN."""

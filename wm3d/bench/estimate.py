@@ -130,7 +130,7 @@ def seconds(todo: Iterable[Task], costs: Mapping[Setting, Cost]) -> float:
         total += (first.stop - first.start) * costs[setting(first)].embed
         for cell in task.cells:
             cost = costs[setting(cell)]
-            once = cell.unmarked is not None and not cell.attack.random
+            once = not cell.marked and not cell.attack.random
             total += (1 if once else cell.trials) * (cost.attack + cost.read)
             if isinstance(cell, FalseAlarmCell):
                 label = cell.scheme.label()

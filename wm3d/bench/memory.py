@@ -1,6 +1,8 @@
 """How much memory a step needs beyond what the process holds."""
 
+import ctypes
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,9 +17,10 @@ def with_peak(step: Callable[[], T]) -> tuple[T, float]:
 
     The peak that `resource.getrusage` tells is that of the whole life of a process, so after a costly attack
     it would be silent about the next embedding. Linux lets a process set its peak back; elsewhere the answer
-    is NaN. Memory that is free in the heap of the process is used first and not counted, so that small needs
-    read as less than they are.
+    is NaN. What is free in the heap is given back first, as far as the C library does that.
     """
+    with suppress(OSError, AttributeError, TypeError):  # glibc alone has it
+        ctypes.CDLL(None).malloc_trim(0)
     try:
         (_OWN / "clear_refs").write_text(_RESET_PEAK)
         before = _peak()

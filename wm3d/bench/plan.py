@@ -68,9 +68,14 @@ class Cell:
         return self.stop - self.start
 
     @property
-    def unmarked(self) -> str | None:
-        """Name of the mesh that is attacked as it is, None where the marked mesh is attacked."""
-        return None
+    def subject(self) -> tuple[str, str]:
+        """Name and digest of the mesh that is attacked, with the mark or without."""
+        return self.mesh, self.mesh_digest
+
+    @property
+    def marked(self) -> bool:
+        """Whether it is attacked with the mark."""
+        return True
 
     def identity(self) -> dict[str, Any]:
         """Return all that the numbers of this cell depend on, as plain JSON values."""
@@ -109,11 +114,14 @@ class TrialCell(Cell):
     other: tuple[str, str] | None = None
 
     @property
-    def unmarked(self) -> str | None:
-        """Name of the mesh that is attacked as it is, None where the marked mesh is attacked."""
-        if self.hypothesis == "H1":
-            return None
-        return self.other[0] if self.other else self.mesh
+    def subject(self) -> tuple[str, str]:
+        """Name and digest of the mesh that is attacked, with the mark or without."""
+        return self.other or super().subject
+
+    @property
+    def marked(self) -> bool:
+        """Whether it is attacked with the mark."""
+        return self.hypothesis == "H1"
 
     def identity(self) -> dict[str, Any]:
         """Return all that the numbers of this cell depend on, as plain JSON values."""
@@ -160,7 +168,7 @@ class Task:
     @property
     def meshes(self) -> set[str]:
         """Names of the meshes that are needed."""
-        return {name for cell in self.cells for name in (cell.mesh, cell.unmarked or cell.mesh)}
+        return {name for cell in self.cells for name in (cell.mesh, cell.subject[0])}
 
     @property
     def trials(self) -> int:

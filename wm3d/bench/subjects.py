@@ -3,7 +3,6 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -63,6 +62,13 @@ class Reading:
     read_seconds: float
 
 
+_SETTLED: dict[tuple[str, str, str], tuple[Scheme, Reading]] = {}
+"""What schemes read in a mesh without a mark, of this name and digest, after an attack that is not random."""
+
+MOST_SETTLED = 256
+"""Readings kept, of some 50 kB each."""
+
+
 class Subjects:
     """What the cells of a task start from.
 
@@ -77,7 +83,6 @@ class Subjects:
     def __init__(self, meshes: Mapping[str, Mesh], first: Cell) -> None:
         self._meshes, self._first = meshes, first
         self._last: tuple[int, Mark] | None = None
-        self._settled: dict[str, tuple[Scheme, Reading]] = {}
         self._cylinders: dict[str, Cylinder | None] = {}
 
     def mark(self, trial: int) -> Mark:
@@ -87,7 +92,10 @@ class Subjects:
             seed = derived_seed(cell.seed, cell.mesh_digest, trial, "key")
             original = self._meshes[cell.mesh]
             start = time.perf_counter()
-            (marked, scheme), mb = with_peak(lambda: cell.scheme.embed(original, seed))
+            if self._last is None:
+                (marked, scheme), mb = with_peak(lambda: cell.scheme.embed(original, seed))
+            else:
+                (marked, scheme), mb = cell.scheme.embed(original, seed), float("nan")
             seconds = time.perf_counter() - start
             self._last = trial, Mark(marked, seed, scheme, snr(original, marked), seconds, mb)
         return self._last[1]
@@ -96,28 +104,28 @@ class Subjects:
         """Attack the mesh of a cell and read it.
 
         An attack without randomness does the same to a mesh without the mark in every trial, so that is
-        attacked only once, and read once by each scheme.
+        attacked and read only once, by this worker.
         """
         mark = self.mark(trial)
-        if cell.unmarked is None:
+        if cell.marked:
             return self._read(cell, trial, mark.mesh, mark.scheme)
-        if cell.digest in self._settled and self._settled[cell.digest][0] == mark.scheme:
-            return self._settled[cell.digest][1]
-        reading = self._read(cell, trial, self._meshes[cell.unmarked], mark.scheme)
+        what = (*cell.subject, cell.attack.model_dump_json())
+        if what in _SETTLED and _SETTLED[what][0] == mark.scheme:
+            return _SETTLED[what][1]
+        reading = self._read(cell, trial, self._meshes[cell.subject[0]], mark.scheme)
         if not cell.attack.random:
             again = replace(reading, attack_seconds=0.0, read_seconds=0.0)
-            self._settled[cell.digest] = mark.scheme, again
+            if len(_SETTLED) >= MOST_SETTLED:
+                _SETTLED.clear()
+            _SETTLED[what] = mark.scheme, again
         return reading
 
     def _read(self, cell: Cell, trial: int, subject: Mesh, scheme: Scheme) -> Reading:
-        original = self._meshes[cell.unmarked or cell.mesh]
+        original = self._meshes[cell.subject[0]]
+        attack = cell.attack.given(Owner(original, lambda mesh, seed: cell.scheme.embed(mesh, seed)[0]))
         rng = generator(derived_seed(cell.seed, cell.mesh_digest, trial, "attack"))
         start = time.perf_counter()
-        if subject is original and not (cell.attack.random or cell.attack.marks):
-            attacked = _settled(cell.attack, subject)
-        else:
-            owner = Owner(original, lambda mesh, seed: cell.scheme.embed(mesh, seed)[0])
-            attacked = cell.attack.given(owner)(subject, rng)
+        attacked = attack(subject, rng)
         if not isinstance(attacked, Mesh):
             raise TypeError(f"the attack returned {type(attacked).__name__}, not Mesh")
         attacked_at, unreadable = time.perf_counter(), ""
@@ -126,7 +134,7 @@ class Subjects:
         except Wm3dError as error:  # unreadable is not detected
             evidence, unreadable = RademacherSum(0.0, np.zeros(scheme.capacity)), str(error)
         read_at = time.perf_counter()
-        before, after = self._cylinder(cell.unmarked or cell.mesh), _cylinder(scheme, attacked)
+        before, after = self._cylinder(cell.subject[0]), _cylinder(scheme, attacked)
         axis_deg = _axis_deviation(before, after, cell.attack, subject, attacked)
         return Reading(
             len(attacked.faces), evidence, unreadable, axis_deg, attacked_at - start, read_at - attacked_at
@@ -136,12 +144,6 @@ class Subjects:
         if mesh not in self._cylinders:
             self._cylinders[mesh] = _cylinder(self._first.scheme, self._meshes[mesh])
         return self._cylinders[mesh]
-
-
-@lru_cache(maxsize=16)  # the attacks of an experiment and some meshes
-def _settled(attack: Attack, mesh: Mesh) -> Mesh:
-    """Attack a mesh where nothing is random; tasks that follow one another have the same meshes."""
-    return attack(mesh, np.random.default_rng(0))
 
 
 def _cylinder(scheme: Scheme, mesh: Mesh) -> Cylinder | None:

@@ -73,7 +73,7 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> list[Row]:
     row: Row = {
         **_names(cell),
         "hypothesis": cell.hypothesis,
-        "subject": cell.unmarked or cell.mesh,
+        "subject": cell.subject[0],
         "trial": trial,
         **dict.fromkeys((*_MEASURED, *_ONCE), float("nan")),
         **dict.fromkeys(_SECONDS, 0.0),

@@ -17,16 +17,12 @@ from wm3d.mesh import Mesh
 _ENGINES = threading.Lock()
 """Dask workers may have several threads, but fast-simplification keeps its mesh in global variables."""
 
-_LAST: dict[str, Mesh] = {}
-"""The meshes of the last task, by name."""
-
 
 def work(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
     """Run a task so that its numbers do not depend on the worker.
 
     BLAS sums in another order on another number of threads, so it gets one. Arrays that were pickled are
-    writable and those that were memory-mapped are slow in numba, so the meshes are built anew, unless the
-    last task had the same: what schemes and attacks keep by mesh then serves this task too.
+    writable and those that were memory-mapped are slow in numba, so the meshes are built anew.
 
     Parameters and result as for `run_task`.
 
@@ -43,15 +39,8 @@ def work(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
                 f"{cell.attack.label()}; install the same versions of wm3d and its engines on all workers."
             )
     with _ENGINES, threadpool_limits(limits=1):
-        global _LAST  # one task at a time
-        _LAST = {name: _own(mesh, _LAST.get(name)) for name, mesh in meshes.items()}
-        return run_task(_LAST, task)
-
-
-def _own(mesh: Mesh, last: Mesh | None) -> Mesh:
-    if last is not None and (last.name, last.digest()) == (mesh.name, mesh.digest()):
-        return last
-    return Mesh(mesh.vertices, mesh.faces, mesh.name)
+        own = {name: Mesh(mesh.vertices, mesh.faces, mesh.name) for name, mesh in meshes.items()}
+        return run_task(own, task)
 
 
 def leave_with_parent(parent: int) -> None:

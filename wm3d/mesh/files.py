@@ -2,8 +2,10 @@
 
 import os
 import secrets
+import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 
 from wm3d.errors import Wm3dError
@@ -83,10 +85,8 @@ def _staged(path: str | os.PathLike[str], content: bytes) -> Iterator[Callable[[
             temporary.replace(target)
 
     try:
-        with _blaming(path):
-            temporary.touch(mode, exist_ok=False)
-            with temporary.open("wb") as stream:
-                stream.write(content)
+        with _blaming(path), open(temporary, "xb", opener=partial(os.open, mode=mode)) as stream:
+            stream.write(content)
         yield put_in_place
     finally:
         temporary.unlink(missing_ok=True)
@@ -104,15 +104,14 @@ def _blaming(path: str | os.PathLike[str]) -> Iterator[None]:
 @contextmanager
 def _restored_on_error(target: Path) -> Iterator[None]:
     """Bring a file back to what it was, or to its absence, if what follows fails."""
-    old = None
-    if target.exists():
-        kind = bytes if target.stat().st_mode & ~OWNER_ALONE & EVERYBODY else Secret
-        old = kind(target.read_bytes())
+    old = (target.read_bytes(), stat.S_IMODE(target.stat().st_mode)) if target.exists() else None
     try:
         yield
     except BaseException:
         if old is None:
             target.unlink(missing_ok=True)
         else:
-            write_whole(target, old)
+            content, mode = old
+            write_whole(target, Secret(content))
+            target.chmod(mode)
         raise
