@@ -1,9 +1,13 @@
 """Starts for a fit where nothing is known of the pose: turns, shifts and sizes of a part of the model."""
 
+from collections.abc import Callable, Iterator
+from typing import NamedTuple, Self
+
 import numpy as np
 from scipy.ndimage import distance_transform_edt
+from scipy.spatial.transform import Rotation
 
-from wm3d.arrays import FloatArray, IntArray
+from wm3d.arrays import BoolArray, FloatArray, IntArray
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.surface import POINTS, Surface
 from wm3d.scanner.registration.warp import Warp
@@ -18,6 +22,15 @@ SIZES = (1.0, 0.85, 0.7)
 SHIFTS = np.vstack([np.zeros((1, 3)), *(step * sign * np.eye(3) for step in (0.3, 0.6) for sign in (-1, 1))])
 """Places of its middle tried, relative to that of the landmarks, in their size."""
 
+CANDIDATES, CLOSE = 256, 10.0
+"""How many of the places tried are improved, the best first, and the least angle between two, in degrees."""
+
+STEPS = (0.3, 0.2, 0.2, 0.1, 0.1, 0.05)
+"""Steps of that: turns in radians, shifts in the size of the landmarks, and half as much of the own size."""
+
+LEAST_SIZE, MOST_SIZE = 0.5, 1.1
+"""Bounds of the sizes that are come to."""
+
 PROBES, FAR = 64, 0.5
 """Points of the surface by which starts are compared, and the distance from which one counts as lost."""
 
@@ -25,29 +38,95 @@ GRID, HALF_WIDTH = 50, 2.5
 """Cells along a side of the cube in which distances are looked up, and half its width, in sizes."""
 
 
+class _Places(NamedTuple):
+    """Ways to lay a surface on landmarks, whose middle is 0 and whose size is 1.
+
+    Attributes
+    ----------
+    turn : (n, 3, 3) ndarray
+    size : (n,) ndarray
+    shift : (n, 3) ndarray
+    """
+
+    turn: FloatArray
+    size: FloatArray
+    shift: FloatArray
+
+    def laid(self, points: FloatArray) -> FloatArray:
+        """Return (k, 3) points in each of these places: (n, k, 3)."""
+        return self.size[:, None, None] * (points @ self.turn.swapaxes(1, 2)) + self.shift[:, None]
+
+    def neighbours(self, step: float) -> Iterator[Self]:
+        """Yield these places a step on in each of 14 directions: turned, shifted, smaller and larger."""
+        for way in np.vstack([np.eye(3), -np.eye(3)]):
+            yield self._replace(turn=Rotation.from_rotvec(step * way).as_matrix() @ self.turn)
+            yield self._replace(shift=self.shift + step * way)
+        for growth in (1 - step / 2, 1 + step / 2):
+            yield self._replace(size=(growth * self.size).clip(LEAST_SIZE, MOST_SIZE))
+
+    def replaced(self, where: BoolArray, others: Self) -> Self:
+        """Return these places with `others` in the place of some."""
+        wide = where[:, None]
+        return type(self)(
+            np.where(wide[:, None], others.turn, self.turn),
+            np.where(where, others.size, self.size),
+            np.where(wide, others.shift, self.shift),
+        )
+
+
 def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
     """Return the ways to lay a surface on landmarks under which its points come nearest to them.
 
     Points of the surface look for landmarks and not the other way round, since of a model that lost a part
-    every point still has its landmark.
+    every point still has its landmark. Turns are tried all around, each at the best of some sizes and shifts;
+    the best of these places are improved in small steps, and then compared again.
     """
     goal = landmarks.points.mean(axis=0)
     size = float(np.sqrt(((landmarks.points - goal) ** 2).sum(axis=1).mean()))
     distance = _distances((landmarks.points - goal) / size)
+    probes = surface.points[:: POINTS // PROBES]
+
+    tried, misfit = _tried(probes, distance)
+    best = np.argsort(misfit, kind="stable")
+    best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
+    places = _Places(*(part[best] for part in tried))
+
+    def misfit_of(places: _Places) -> FloatArray:
+        misfit: FloatArray = distance[_cells(places.laid(probes))].mean(axis=1)
+        return misfit
+
+    places = _improved(places, misfit_of)
+    order = np.argsort(misfit_of(places), kind="stable")
+    chosen = order[apart(places.turn[order], APART, STARTS)]
+    return [
+        Warp.linear(size * places.size[k] * places.turn[k], goal + size * places.shift[k]) for k in chosen
+    ]
+
+
+def _tried(probes: FloatArray, distance: FloatArray) -> tuple[_Places, FloatArray]:
+    """Return the best size and shift for each of many turns, and how far the probes then lie off: (n,)."""
     candidates = turns(TURNS) * [1.0, 1.0, -1.0]  # the frame is left-handed
-    probes: FloatArray = surface.points[:: POINTS // PROBES] @ candidates.swapaxes(1, 2)
-
+    turned: FloatArray = probes @ candidates.swapaxes(1, 2)
     misfit = np.full(len(candidates), np.inf)
-    scale, shift = np.ones(len(candidates)), np.zeros((len(candidates), 3))
-    for tried_scale in SIZES:
+    size, shift = np.ones(len(candidates)), np.zeros((len(candidates), 3))
+    for tried_size in SIZES:
         for tried_shift in SHIFTS:
-            tried = distance[_cells(tried_scale * probes + tried_shift)].mean(axis=1)
+            tried = distance[_cells(tried_size * turned + tried_shift)].mean(axis=1)
             better = tried < misfit
-            misfit[better], scale[better], shift[better] = tried[better], tried_scale, tried_shift
+            misfit[better], size[better], shift[better] = tried[better], tried_size, tried_shift
+    return _Places(candidates, size, shift), misfit
 
-    order = np.argsort(misfit, kind="stable")
-    chosen = apart(candidates[order], APART, STARTS)
-    return [Warp.linear(size * scale[k] * candidates[k], goal + size * shift[k]) for k in order[chosen]]
+
+def _improved(places: _Places, misfit_of: Callable[[_Places], FloatArray]) -> _Places:
+    """Take steps downhill from each place, every one in the best of the directions."""
+    for step in STEPS:
+        best, least = places, misfit_of(places)
+        for neighbour in places.neighbours(step):
+            misfit = misfit_of(neighbour)
+            best = best.replaced(misfit < least, neighbour)
+            least = np.minimum(misfit, least)
+        places = best
+    return places
 
 
 def _distances(points: FloatArray) -> FloatArray:
