@@ -101,9 +101,10 @@ def test_fit_finds_a_quadratic_map():
     assert distance < 0.01  # a third of a cell of an image of 64 rows
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_any_turn_of_a_torso_is_found(seed):
-    torso = Crop(percent=30)(MESH, np.random.default_rng(seed))
+# the last is laid the wrong way round by a search that does not improve its starts
+@pytest.mark.parametrize(("seed", "percent", "off"), [*((seed, 30, 0.05) for seed in range(4)), (9, 50, 0.1)])
+def test_any_turn_of_a_torso_is_found(seed, percent, off):
+    torso = Crop(percent=percent)(MESH, np.random.default_rng(seed))
     turned = torso.with_vertices(3 * torso.vertices @ rotation(seed + 1).T + [5, 6, 7])
     surface, landmarks = Surface.of(turned), landmarks_of(MESH)
     wrong = pose_of(surface)
@@ -111,7 +112,7 @@ def test_any_turn_of_a_torso_is_found(seed):
     found = registered(surface, landmarks, [wrong])
     placed = found.warp(surface.placed(turned.vertices))
     distance = np.linalg.norm(placed - torso.vertices @ MIRROR, axis=1)
-    assert np.median(distance) < 0.05  # the blob is smooth: it slides along itself
+    assert np.median(distance) < off  # the blob is smooth: it slides along itself
 
 
 def test_a_pose_that_fits_is_left_as_it_is():
