@@ -111,6 +111,8 @@ class RangeDct(Scheme):
         What `embed` finds out of the mesh; detection needs it.
     """
 
+    version: ClassVar[int] = 2
+
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
 
