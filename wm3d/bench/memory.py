@@ -1,10 +1,10 @@
 """How much memory a step needs beyond what the process holds."""
 
-import ctypes
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
+
+from wm3d.bench.allocator import give_back
 
 T = TypeVar("T")
 
@@ -19,8 +19,7 @@ def with_peak(step: Callable[[], T]) -> tuple[T, float]:
     it would be silent about the next embedding. Linux lets a process set its peak back; elsewhere the answer
     is NaN. What is free in the heap is given back first, as far as the C library does that.
     """
-    with suppress(OSError, AttributeError, TypeError):  # glibc alone has it
-        ctypes.CDLL(None).malloc_trim(0)
+    give_back()
     try:
         (_OWN / "clear_refs").write_text(_RESET_PEAK)
         before = _peak()

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from wm3d.bench.allocator import give_back
 from wm3d.bench.plan import Task
 from wm3d.bench.trial import run_task
 from wm3d.errors import Wm3dError
@@ -40,7 +41,9 @@ def work(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
             )
     with _ENGINES, threadpool_limits(limits=1):
         own = {name: Mesh(mesh.vertices, mesh.faces, mesh.name) for name, mesh in meshes.items()}
-        return run_task(own, task)
+        rows = run_task(own, task)
+    give_back()  # joblib takes a worker that grows for one that leaks, and starts another
+    return rows
 
 
 def leave_with_parent(parent: int) -> None:
