@@ -28,8 +28,11 @@ FAR_REACH = 1.0
 FLATTENING = 1e6
 """Condition of a pose from which it has no inverse to speak of."""
 
-SKETCH, SKETCH_ROUNDS = 3, 15
-"""Turned starts are tried on one landmark in so many, for so many rounds; the best is then fitted in full."""
+SKETCH, SKETCH_ROUNDS, FINALISTS = 3, 15, 3
+"""Turned starts are tried on one landmark in so many, for so many rounds; the best few are fitted in full."""
+
+BATCH, CLEAR = 16, 0.4
+"""Turned starts are tried so many at a time, until one meets this share of the landmarks."""
 
 
 def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) -> Fit:
@@ -56,7 +59,7 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
         fits.append(_bent(surface, landmarks, pose))
         if fits[-1].share >= SURE:
             return fits[-1]
-    fits.append(_bent(surface, landmarks, _searched(surface, landmarks)))
+    fits += [_bent(surface, landmarks, start) for start in _searched(surface, landmarks)]
     return _best(fits)
 
 
@@ -75,11 +78,12 @@ def _best(fits: list[Fit]) -> Fit:
     return best
 
 
-def _searched(surface: Surface, landmarks: Landmarks) -> Warp:
-    """Return the best of the fits from turned starts."""
+def _searched(surface: Surface, landmarks: Landmarks) -> list[Warp]:
+    """Return the best of the fits from turned starts, the very best first."""
     sketch = landmarks.every(SKETCH)
-    fits = [
-        fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
-        for start in turned_starts(surface, landmarks)
-    ]
-    return max(fits, key=lambda fit: fit.share).warp
+    fits: list[Fit] = []
+    for number, start in enumerate(turned_starts(surface, landmarks)):
+        if number % BATCH == 0 and any(fit.share >= CLEAR for fit in fits):
+            break
+        fits.append(fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS))
+    return [fit.warp for fit in sorted(fits, key=lambda fit: -fit.share)[:FINALISTS]]

@@ -13,7 +13,7 @@ from wm3d.scanner.registration.surface import POINTS, Surface
 from wm3d.scanner.registration.warp import Warp
 from wm3d.scanner.turns import TURNS, apart, turns
 
-STARTS, APART = 16, 20.0
+STARTS, APART = 64, 20.0
 """How many starts are returned, the best first, and the least angle between two, in degrees."""
 
 SIZES = (1.0, 0.85, 0.7)
