@@ -57,7 +57,7 @@ def curves(table: pd.DataFrame, against: str) -> Figure:
             for order, (color, mesh) in enumerate(zip(COLORS, meshes, strict=False)):
                 line = table[(table["attack"] == attack) & (table["mesh"] == mesh)].sort_values(against)
                 low, high = line[f"pd_{PF:g}_low"], line[f"pd_{PF:g}_high"]
-                wide = 2 * (len(meshes) - order)  # so that equal lines show below each other
+                wide = 1.3 * (len(meshes) - order)  # so that equal lines show below each other
                 panel.plot(line[against], line[f"pd_{PF:g}"], color=color, linewidth=wide, label=mesh)
                 panel.fill_between(line[against], low, high, color=color, alpha=0.08, linewidth=0)
             if against == "mrms_percent":
