@@ -17,7 +17,6 @@ from wm3d.bench import run_config
 from wm3d.bench.figures import save
 from wm3d.bench.store import RunDirectory
 from wm3d.mesh import write_whole
-from wm3d.schemes.range_dct import RangeDct
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = {
@@ -122,8 +121,7 @@ def pivot(detection: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
 
 def by_blocks(detection: pd.DataFrame) -> dict[str, dict[str, dict[int, dict[str, float]]]]:
     """Return the lines of a table by mesh, attack and number of blocks, fewest first."""
-    detection = detection.assign(blocks=detection["scheme"].str.extract(r"blocks=(\d+)")[0])
-    detection["blocks"] = detection["blocks"].astype(float).fillna(RangeDct().blocks).astype(int)
+    detection = detection.assign(blocks=detection["scheme"].str.extract(r"blocks=(\d+)")[0].astype(int))
     lines: dict[str, dict[str, dict[int, dict[str, float]]]] = {}
     for line in detection.sort_values("blocks", kind="stable").to_dict("records"):
         lines.setdefault(line["mesh"], {}).setdefault(line["attack"], {})[line["blocks"]] = line

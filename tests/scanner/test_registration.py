@@ -8,6 +8,7 @@ from wm3d.attacks import Crop
 from wm3d.mesh import Mesh, surface_points
 from wm3d.scanner.registration import Landmarks, Surface, Warp, registered
 from wm3d.scanner.registration.fit import fitted, share_met
+from wm3d.scanner.registration.landmarks import FLAT
 from wm3d.scanner.registration.warp import QUADRATIC_TERMS
 
 MESH = blob(0, 4)
@@ -38,6 +39,15 @@ def test_points_stand_for_equal_areas_and_have_the_normals_of_their_faces():
         flat = points[side != axis, axis] / mesh.vertices[:, axis].max()
         assert abs(flat.mean()) < 0.01
         assert (flat[np.abs(flat) < 1] ** 2).mean() == pytest.approx(1 / 3, abs=0.01)
+
+
+def test_half_of_the_places_of_a_rough_surface_still_make_landmarks():
+    jitter = np.random.default_rng(5).normal(0, 0.03, MESH.vertices.shape)
+    rough = MESH.with_vertices(MESH.vertices + jitter)  # edges are 0.07 long
+    surface = Surface.of(rough)
+    _, normals = surface.near(surface.points[::60])
+    assert (np.linalg.norm(normals, axis=1) > FLAT).mean() < 0.3
+    assert len(landmarks_of(rough).points) == 250
 
 
 def test_inverse_of_a_bent_map_leads_back():

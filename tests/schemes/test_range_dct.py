@@ -32,7 +32,7 @@ from wm3d.scanner.registration import Landmarks
 from wm3d.scanner.volume import volume_image
 from wm3d.schemes import SCHEMES, Key, Song2002
 from wm3d.schemes.movement import _weight
-from wm3d.schemes.range_dct import AXIS
+from wm3d.schemes.range_dct import AXIS, _laid
 from wm3d.stats import key_signs, key_signs_batch
 
 SCHEME = SCHEMES.build("range-dct", {})
@@ -95,7 +95,7 @@ def test_reference_is_that_of_the_marked_mesh(embedded):
     reference, frame = scheme.reference, principal_frame(MESH)
     columns, rows = reference.grid
     assert columns % 8 == rows % 8 == 0
-    assert 0.7 * SCHEME.blocks < rows * columns / 64 < 1.3 * SCHEME.blocks
+    assert 70 < rows * columns / 64 < 130
     assert scheme.capacity == rows // 8 * (columns // 8) * 63
     posed = frame.posed(MESH)
     assert (reference.hmin, reference.height) == (posed[:, 0].min(), np.ptp(posed[:, 0]))
@@ -119,6 +119,21 @@ def test_cells_are_no_finer_than_the_mesh():
         assert len(SMALL.vertices) > 1.2 * rows * columns
     columns, rows = SCHEMES.build("range-dct", {"blocks": 9}).embed(SMALL, 3)[1].reference.grid
     assert rows * columns / 64 == pytest.approx(9, abs=3)
+
+
+@pytest.mark.parametrize(
+    ("asked", "vertices", "laid"),
+    [
+        (None, 35_000, 100),
+        (None, 100_000, 200),
+        (None, 10**7, 300),
+        (None, 4_800, 50),  # 1.5 vertices for each of 64 cells
+        (25, 10**6, 25),
+        (5_000, 96_000, 1_000),
+    ],
+)
+def test_fine_meshes_carry_more_blocks_unless_a_number_is_asked_for(asked, vertices, laid):
+    assert _laid(asked, vertices) == laid
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.63, 2.0])

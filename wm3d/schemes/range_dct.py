@@ -37,6 +37,12 @@ AXIS = 0.25
 FEWEST_VERTICES = 1.5
 """Vertices a cell of the image, below which cells are made larger: what is finer than the mesh is lost."""
 
+VERTICES = 500
+"""Vertices of the mesh for each block, by default: finer meshes carry finer cells, and more signs."""
+
+FEWEST_BLOCKS, MOST_BLOCKS = 100, 300
+"""Bounds of the default: fewer blocks carry too little, and of more noise of a given size leaves less."""
+
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Vector = tuple[float, float, float]
 
@@ -104,20 +110,20 @@ class RangeDct(Scheme):
     alpha : float
         Root mean square move of the vertices, in percent of their root mean square distance from their mean:
         SNR = 40 dB − 20 dB lg α.
-    blocks : int
+    blocks : int, optional
         8×8 blocks of the image, about, for meshes with vertices enough (`FEWEST_VERTICES`); they are laid so
-        that cells are square in the middle.
+        that cells are square in the middle. By default one for every `VERTICES` vertices, 100 to 300.
     reference : Reference, optional
         What `embed` finds out of the mesh; detection needs it.
     """
 
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
 
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
 
     alpha: Annotated[float, Field(gt=0, le=1e6)] = 0.63
-    blocks: Annotated[int, Field(ge=1, le=10_000)] = 100
+    blocks: Annotated[int, Field(ge=1, le=10_000)] | None = None
     reference: Reference | None = None
 
     def label(self) -> str:
@@ -230,12 +236,11 @@ class _Host(NamedTuple):
 
 # the original is marked with one key after the other, or at one strength after the other
 @lru_cache(maxsize=1)
-def _host(mesh: Mesh, blocks: int) -> _Host:
+def _host(mesh: Mesh, blocks: int | None) -> _Host:
     whole = without_flaps(mesh)  # as it will be read; the vertices are the same
     frame = principal_frame(whole)
     posed = frame.posed(mesh)
-    affordable = len(places(posed[np.unique(mesh.faces)]).first) / (FEWEST_VERTICES * BLOCK**2)
-    layout = _Layout.around(posed, whole, min(blocks, affordable))
+    layout = _Layout.around(posed, whole, _laid(blocks, len(places(posed[np.unique(mesh.faces)]).first)))
     image = layout.image(posed, whole)
     normals = pooled(posed, vertex_normals(mesh))
     length = np.linalg.norm(normals, axis=1)
@@ -243,6 +248,12 @@ def _host(mesh: Mesh, blocks: int) -> _Host:
     fade = np.minimum(1.0, distance / (AXIS * np.median(distance)))
     directions = normals * (fade / np.where(length > 0, length, 1.0))[:, None]
     return _Host(frame, layout, posed, directions, image, ShapedDct.of(image.volumes, image.areas))
+
+
+def _laid(blocks: int | None, vertices: int) -> float:
+    """Return how many blocks to lay around a mesh of so many vertices if so many are asked for."""
+    wanted = blocks or min(max(vertices / VERTICES, FEWEST_BLOCKS), MOST_BLOCKS)
+    return min(wanted, vertices / (FEWEST_VERTICES * BLOCK**2))
 
 
 def _reference(marked: Mesh, host: _Host, signs: SignArray) -> Reference | None:

@@ -13,7 +13,8 @@ LANDMARKS = 500
 """How many there are, about."""
 
 FLAT = 0.9
-"""Least length of a mean normal at which a place makes a landmark; it is shorter on edges and thin parts."""
+"""Length of a mean normal from which a place makes a landmark; it is shorter on edges and thin parts. Of a
+rough surface the flatter half of the places do."""
 
 _STORED = np.dtype("<f4")
 
@@ -29,7 +30,8 @@ class Landmarks:
     def of(cls, surface: Surface, pose: Warp) -> "Landmarks":
         """Choose places that lie evenly on a surface, and map them by a linear pose into the frame."""
         points, normals = surface.near(surface.points[:: POINTS // LANDMARKS])
-        flat = np.linalg.norm(normals, axis=1) > FLAT
+        length = np.linalg.norm(normals, axis=1)
+        flat = length >= min(FLAT, float(np.median(length)))
         return cls(pose(points[flat]), pose.normals(normals[flat]))
 
     def every(self, step: int) -> "Landmarks":
