@@ -56,18 +56,17 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
             continue  # the moments of another model may be met best by one pressed flat
         if share_met(surface, landmarks, pose, EXACT) > 0.5:
             return Fit(pose, share_met(surface, landmarks, pose))
-        fits.append(_bent(surface, landmarks, pose))
+        fits.append(_best([Fit(pose, share_met(surface, landmarks, pose)), *_bent(surface, landmarks, pose)]))
         if fits[-1].share >= SURE:
             return fits[-1]
-    fits += [_bent(surface, landmarks, start) for start in _searched(surface, landmarks)]
+    fits += [_best(_bent(surface, landmarks, start)) for start in _searched(surface, landmarks)]
     return _best(fits)
 
 
-def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> Fit:
-    """Fit a linear map first and then, from there, a quadratic one, and take the simplest that does."""
+def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> list[Fit]:
+    """Fit a linear map first and then, from there, a quadratic one."""
     linear = fitted(surface, landmarks, start, quadratic=False)
-    quadratic = fitted(surface, landmarks, linear.warp, quadratic=True)
-    return _best([Fit(start, share_met(surface, landmarks, start)), linear, quadratic])
+    return [linear, fitted(surface, landmarks, linear.warp, quadratic=True)]
 
 
 def _best(fits: list[Fit]) -> Fit:
