@@ -125,6 +125,15 @@ def test_any_turn_of_a_torso_is_found(seed, percent, off):
     assert np.median(distance) < off  # the blob is smooth: it slides along itself
 
 
+def test_torso_lies_as_near_as_a_fit_to_all_landmarks_brings_it():
+    torso = Crop(percent=40)(MESH, np.random.default_rng(4))
+    surface, landmarks = Surface.of(torso.with_vertices(torso.vertices @ rotation(5).T)), landmarks_of(MESH)
+    found = registered(surface, landmarks, [pose_of(surface)]).warp
+    again = fitted(surface, landmarks, found, quadratic=False, reach=0.1).warp
+    # 0.01 from the start that a few of the landmarks chose
+    np.testing.assert_allclose(again(surface.points), found(surface.points), atol=1e-3)
+
+
 def test_a_pose_that_fits_is_left_as_it_is():
     surface, landmarks = Surface.of(inside_out(MESH)), landmarks_of(MESH)
     found = registered(surface, landmarks, [pose_of(surface)])
