@@ -106,6 +106,16 @@ def flattened(mesh: Mesh, scale: tuple[float, float, float], name: str) -> Mesh:
     return Mesh(mesh.vertices * scale @ rotation(4).T + [5, 6, 7], mesh.faces, name=name)
 
 
+def both_ways() -> Mesh:
+    """Join two blobs, one wound outwards and one inwards."""
+    one, other = blob(0, 3), inside_out(blob(1, 3))
+    return Mesh(
+        np.vstack([one.vertices, 0.8 * other.vertices + [4, 0, 0]]),
+        np.vstack([one.faces, other.faces + len(one.vertices)]),
+        "pair",
+    )
+
+
 @pytest.mark.parametrize(
     ("mesh", "sentence"),
     [
@@ -118,6 +128,7 @@ def flattened(mesh: Mesh, scale: tuple[float, float, float], name: str) -> Mesh:
         (flattened(icosphere(3), (3, 2, 1), "ellipsoid"), "looks the same, or nearly, from another side"),
         (flattened(box(), (3, 2, 0), "sheet"), "its faces enclose no volume"),
         (Mesh([[0, 0, 0], [3, 0, 0], [0, 1, 2]], [[0, 1, 2]], "triangle"), "its faces enclose no volume"),
+        (both_ways(), "its faces bound no solid that extends in every direction; wind all parts alike"),
     ],
     ids=lambda value: value.name if isinstance(value, Mesh) else "",
 )

@@ -126,13 +126,14 @@ def whitening(second: FloatArray, name: str) -> tuple[FloatArray, FloatArray]:
     Raises
     ------
     Wm3dError
-        If they are not positive, as can be where parts of a mesh are wound inwards and others outwards.
+        If they are not positive, as can be where parts of a mesh are wound inwards and others outwards, or
+        where it is a sheet.
     """
     values, axes = np.linalg.eigh(second)
     if values[0] <= LEAST_MOMENT * abs(values[2]):
         raise Wm3dError(
-            f"{name}: its volume has no positive extent in every direction; turn the faces so that all are "
-            "wound alike."
+            f"{name}: its faces bound no solid that extends in every direction; wind all parts alike, and "
+            "close an open sheet."
         )
     return (axes / np.sqrt(values)) @ axes.T, (axes * np.sqrt(values)) @ axes.T
 
