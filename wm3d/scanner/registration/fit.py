@@ -13,7 +13,7 @@ ROUNDS = 40
 """Most rounds of a fit."""
 
 SETTLED = 3e-4
-"""Change of the coefficients below which a fit ends; about a hundredth of a cell."""
+"""Change of the coefficients below which a fit ends; about a hundredth of a cell (of 100 blocks)."""
 
 REACH, LAST_REACH, NARROWING = 0.3, 0.1, 0.85
 """How far off a landmark the surface may lie: at first, at last, and how fast that falls."""
@@ -28,7 +28,7 @@ TUKEY = 4.0
 """Distance over the spread from which a landmark has no weight (Tukey's biweight)."""
 
 NEAR = 0.02
-"""Distance at which a landmark no longer counts as met; half a cell, in the unit of the frame."""
+"""Distance at which a landmark no longer counts as met, in the unit of the frame; half a cell of 100 blocks."""
 
 DAMPING = np.r_[np.full(LINEAR_TERMS, 1e-6), np.full(QUADRATIC_TERMS - LINEAR_TERMS, 1e-3)]
 """Weight of each term of the change against that of the landmarks: a plane does not fix all of them."""

@@ -9,7 +9,7 @@ from wm3d.arrays import FloatArray
 from wm3d.mesh import Mesh, orientation, surface_points
 
 POINTS = 30_000
-"""Points on the surface; about a fifth of a cell apart from each other."""
+"""Points on the surface; a fifth to a third of a cell apart from each other."""
 
 NEIGHBOURS = 8
 """Points whose mean stands for the surface at a place: it lies amid the folds that noise makes."""
