@@ -27,7 +27,7 @@ from wm3d.scanner.registration.fit import Fit
 from wm3d.scanner.volume import VolumeImage, volume_image
 from wm3d.schemes import range_dct
 
-MODELS = {"bunny-closed": 0.63, "happy-buddha-50k": 0.33}
+MODELS = {"bunny-closed": 0.63, "happy-buddha-300k": 0.33}
 ATTACKED: list[tuple[str, dict[str, Any]]] = [
     ("clean", {}),
     ("gaussian-noise", {"percent": 0.6, "amplitude": "rms-vector"}),
@@ -91,6 +91,7 @@ WITHOUT: dict[str, list[Any]] = {
     "smoothing of crumpled surfaces": [patch.object(denoise, "CRUMPLED", math.inf)],
     "block activity: scale by frequency": [patch.object(shaped_dct, "activity_scale", frequency_scale)],
     "shaping: all amplitudes equal": [patch.object(shaped_dct, "SHAPING", 0.0)],
+    "cells as fine as the mesh: 100 blocks": [patch.object(range_dct, "MOST_BLOCKS", 100)],
     "generalized Gaussian: linear detector": [patch.object(shaped_dct, "SHAPE", 2.0)],
 }
 
@@ -104,27 +105,30 @@ def without(patches: list[Any]) -> Iterator[None]:
         yield
 
 
-def measured(mesh: Mesh, alpha: float, attack: Attack, keys: int, *, posed_by_vertices: bool) -> list[float]:
-    """Return z of each key after the attack."""
-    z = []
+def measured(
+    mesh: Mesh, alpha: float, attacks: list[Attack], keys: int, *, posed_by_vertices: bool
+) -> FloatArray:
+    """Return z of each key after each attack: (attacks, keys)."""
+    z = np.empty((len(attacks), keys))
     for key in range(keys):
         marked, scheme = range_dct.RangeDct(alpha=alpha).embed(mesh, key)
         if posed_by_vertices:
             scheme = no_offset(scheme)
-        z.append(scheme.score(attack(marked, np.random.default_rng(key)), key).z)
+        for line, attack in enumerate(attacks):
+            z[line, key] = scheme.score(attack(marked, np.random.default_rng(key)), key).z
     return z
 
 
 def main(keys: int) -> None:
+    attacks = [ATTACKS.build(name, parameters) for name, parameters in ATTACKED]
     lines = []
     for name, alpha in MODELS.items():
         for ingredient, patches in WITHOUT.items():
             mesh = datasets.load(name)  # anew: a scheme keeps what it found in the last one
-            for attack_name, parameters in ATTACKED:
-                attack = ATTACKS.build(attack_name, parameters)
-                with without(patches):
-                    z = measured(mesh, alpha, attack, keys, posed_by_vertices="vertex-PCA" in ingredient)
-                mean, error = np.mean(z), np.std(z, ddof=1) / math.sqrt(keys)
+            with without(patches):
+                z = measured(mesh, alpha, attacks, keys, posed_by_vertices="vertex-PCA" in ingredient)
+            for attack, found in zip(attacks, z, strict=True):
+                mean, error = found.mean(), found.std(ddof=1) / math.sqrt(keys)
                 lines.append((name, ingredient, attack.label(), keys, round(mean, 2), round(error, 2)))
                 print(f"{name:18s}{ingredient:42s}{attack.label():36s}{mean:7.1f} ± {error:.1f}", flush=True)
     columns = ["mesh", "without", "attack", "keys", "z_mean", "standard_error"]

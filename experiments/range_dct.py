@@ -91,7 +91,7 @@ def counted(curve: pd.DataFrame) -> pd.DataFrame:
 def page(tables: dict[str, pd.DataFrame]) -> str:
     """Return the page that goes with the tables."""
     environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    ablation = RESULTS.path / "ablation.csv"
+    ablation = pd.read_csv(RESULTS.path / "ablation.csv")
     paper = tables["paper_attacks"]
     return (
         environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
@@ -104,7 +104,8 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
             counted=tables["random_keys"].to_dict("records") if "nulls" in tables else [],
-            ablation=ablation_table(pd.read_csv(ablation)) if ablation.exists() else {},
+            ablation=ablation_table(ablation),
+            ablation_keys=int(ablation["keys"].min()),
         )
         .rstrip()
         + "\n"
