@@ -83,7 +83,10 @@ def test_all_wrong_parameters_stand_in_one_sentence():
         ("Crimson", "the paint name 'red' is taken; .*:Crimson must use another"),
         ("Registry", "the entry point .*:Registry is not a paint: it must derive from .*Paint"),
         ("plugins", "the entry point .*:plugins is not a paint"),
-        ("Nothing", "the entry point .*:Nothing cannot be loaded"),
+        (
+            "Nothing",
+            "the paint .*:Nothing of the package that declares it cannot be loaded .*; mend or uninstall",
+        ),
     ],
 )
 def test_a_plugin_that_does_not_fit_is_named(plugins, target, sentence):
@@ -94,5 +97,5 @@ def test_a_plugin_that_does_not_fit_is_named(plugins, target, sentence):
 
 def test_a_plugin_that_cannot_be_imported_is_named(plugins):
     plugins.append(("plugin", "no_such_package.module:Paint"))
-    with pytest.raises(Wm3dError, match=r"the entry point no_such_package.module:Paint cannot be loaded"):
+    with pytest.raises(Wm3dError, match=r"the paint no_such_package.module:Paint of .* cannot be loaded"):
         len(paints())

@@ -52,7 +52,7 @@ def embed(
     Raises
     ------
     Wm3dError
-        If a parameter is wrong or the mesh cannot carry the mark.
+        If a parameter is wrong, the mesh is none, or it cannot carry the mark.
     """
     if isinstance(scheme, Scheme):
         if parameters:
@@ -62,11 +62,17 @@ def embed(
         chosen = scheme
     else:
         chosen = SCHEMES.build(scheme or default_scheme(parameters), parameters)
+    _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
     seed = _checked_seed(seed)
     if snr is not None:
         chosen = chosen.at_snr(mesh, seed, snr)
     marked, chosen = chosen.embed(mesh, seed)
     return marked, Key(chosen, seed)
+
+
+def _check(value: object, wanted: type, what: str, remedy: str) -> None:
+    if not isinstance(value, wanted):
+        raise Wm3dError(f"{what} is a {type(value).__name__}, not a wm3d.{wanted.__name__}; {remedy}.")
 
 
 def _checked_seed(seed: Any) -> int:
@@ -98,6 +104,8 @@ def detect(mesh: Mesh, key: Key, *, original: Mesh | None = None) -> Score:
     Raises
     ------
     Wm3dError
-        If the mesh cannot be read, or the original is missing or another mesh.
+        If mesh or key is none, the mark cannot be read, or the original is missing or another mesh.
     """
+    _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
+    _check(key, Key, "the key", "wm3d.Key.load reads one from a file")
     return (key if original is None else key.with_original(original)).score(mesh)

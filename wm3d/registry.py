@@ -3,7 +3,7 @@
 import difflib
 from collections.abc import Iterator, Mapping
 from functools import cached_property
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar
 
 from pydantic import GetCoreSchemaHandler, ValidationError
@@ -43,7 +43,10 @@ class Registry(Mapping[str, type[T]], Generic[T]):
             try:
                 cls = point.load()
             except Exception as error:  # whatever foreign code may do when it is imported
-                raise Wm3dError(f"the entry point {point.value} cannot be loaded ({error}).") from error
+                raise Wm3dError(
+                    f"the {self.kind} {point.value} of the package {_package(point)} cannot be loaded "
+                    f"({error}); mend or uninstall that package."
+                ) from error
             if not (isinstance(cls, type) and issubclass(cls, self._base)):
                 raise Wm3dError(
                     f"the entry point {point.value} is not a {self.kind}: it must derive from "
@@ -85,6 +88,10 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         except ValidationError as error:
             faults = describe(error, cls)
             raise Wm3dError(f"{self.kind} {name}: {faults}" + "." * (not faults.endswith("?"))) from None
+
+
+def _package(point: EntryPoint) -> str:
+    return point.dist.name if point.dist else "that declares it"
 
 
 class OneOf:

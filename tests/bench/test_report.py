@@ -48,7 +48,7 @@ def made_up_run(
     cells = plan(experiment, meshes)
     for cell in cells:
         common = {column: "" if kind == "str" else 1 for column, kind in TRIALS.items()}
-        common |= {"mesh": mesh, "scheme": scheme, "attack": cell.attack.label()}
+        common |= {"mesh": mesh, "scheme": scheme, "attack": cell.attack.label(), "log10_p_least": -1000}
         rows = []
         for trial in range(cell.start, cell.stop):
             z = Z[cell.attack.name] + (trial - 3.5) / 3.5

@@ -6,6 +6,7 @@ import pytest
 from scipy.stats import norm, ttest_1samp
 
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
+from wm3d.bench.summary import BEYOND, FOUND, GONE, UNTRIED, verdict
 from wm3d.bench.tables import NULL_LEVEL, all_tables, counted, detection, nulls, swept
 from wm3d.stats import clopper_pearson
 
@@ -42,6 +43,19 @@ def test_pd_is_the_share_of_trials_whose_p_reaches_pf():
     low, high = clopper_pearson(1, 4)
     assert (line["pd_1e-06_low"], line["pd_1e-06_high"]) == (low, high)
     assert line["trials"] == 4
+
+
+def test_a_pf_that_no_key_of_so_few_signs_reaches_is_no_loss():
+    few, many, none = frame([3.5, 4.0]), frame([3.5, 4.0]), frame([np.nan])
+    few["log10_p_least"], many["log10_p_least"], none["log10_p_least"] = -16 * np.log10(2), -1900.0, np.nan
+    for rows, pf, word in (
+        (few, 1e-6, BEYOND),
+        (few, 1e-3, FOUND),
+        (many, 1e-6, GONE),
+        (none, 1e-6, UNTRIED),
+    ):
+        (line,) = detection(rows, PF).to_dict("records")
+        assert verdict(line, pf) == word
 
 
 def test_d_prime_is_the_mean_of_z_with_the_interval_of_the_t_test():

@@ -159,6 +159,7 @@ def _unwritable() -> list[tuple[str, str, str]]:
         ("embed {files}/good.ply {out}/marked.xyz --key {out}/key.json", "marked.xyz", "no mesh format"),
         ("embed {files}/good.ply {out}/marked.ply --key {out}/marked.ply", "marked.ply", "name of its own"),
         ("embed {files}/good.ply {out}/marked.ply --key {files}/good.ply", "good.ply", "name of its own"),
+        ("embed {files}/good.ply {files}/good.ply --key {out}/key.json", "good.ply", "is the original"),
         ("embed {files}/good.ply {out}/marked.ply --key /dev/null", "/dev/null", "is a device"),
     ]
 

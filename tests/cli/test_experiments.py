@@ -48,7 +48,9 @@ def test_run_hands_its_options_on_and_tells_failures(
         )
     ]
     assert outcome.status == status
-    assert outcome.stderr == ("wm3d: runs/tiny: 3 trials failed.\n" if failed else "")
+    assert outcome.stderr == (
+        "wm3d: runs/tiny: 3 trials failed; report.html says why, under Faults.\n" if failed else ""
+    )
 
 
 def test_plan_run_and_report(wm3d: Run, files: Path, out: Path) -> None:

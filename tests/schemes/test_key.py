@@ -40,6 +40,18 @@ def test_key_of_embed_is_all_that_detect_needs(tmp_path):
     assert not detect(mesh, key).detected(1e-6)
 
 
+def test_what_is_no_mesh_or_no_key_is_refused_with_the_way_to_one():
+    with pytest.raises(Wm3dError, match=r"the mesh is a str, not a wm3d.Mesh; wm3d.load_mesh reads one"):
+        embed("good.ply", seed=1)
+    with pytest.raises(Wm3dError, match=r"the key is a str, not a wm3d.Key; wm3d.Key.load reads one"):
+        detect(blob(0, 2), "key.json")
+
+
+def test_secret_is_not_shown_where_a_key_is_printed():
+    assert str(KEY.seed) not in repr(KEY)
+    assert "landmarks" not in repr(embed(blob(0, 5), seed=1)[1])
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [

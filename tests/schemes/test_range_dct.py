@@ -145,6 +145,14 @@ def test_alpha_is_percent_of_the_size_so_that_the_snr_follows(alpha):
     assert snr(SMALL, marked) == pytest.approx(40 - 20 * np.log10(alpha), abs=1e-3)
 
 
+def test_a_vertex_that_no_face_uses_changes_neither_mark_nor_snr():
+    stray = Mesh(np.vstack([SMALL.vertices, [[1000.0, 0, 0]]]), SMALL.faces)
+    marked, _ = SCHEME.embed(SMALL, 3)
+    beside, _ = SCHEME.embed(stray, 3)
+    np.testing.assert_allclose(beside.vertices[:-1], marked.vertices, rtol=0, atol=1e-9)
+    assert snr(stray, beside) == pytest.approx(snr(SMALL, marked), abs=1e-6)
+
+
 @pytest.mark.parametrize(
     "attack",
     [

@@ -9,13 +9,11 @@ import pandas as pd
 
 from wm3d.bench.config import Experiment
 from wm3d.bench.ranking import METHOD, interval_words
-from wm3d.bench.summary import DETECTED, LOST
+from wm3d.bench.summary import verdict
 from wm3d.component import Component
 from wm3d.errors import Wm3dError
 from wm3d.schemes import Scheme
 from wm3d.stats import DEFAULT_PF
-
-FOUND, AT_TIMES, GONE, UNTRIED = "found", "found at times", "lost", "not tried"
 
 
 @dataclass(frozen=True)
@@ -64,11 +62,7 @@ def cases(detection: pd.DataFrame, pf: float) -> list[Case]:
 
 def _finding(line: Mapping[Any, Any], pf: float) -> Finding:
     share, low, high = (float(line[f"pd_{pf:g}{end}"]) for end in ("", "_low", "_high"))
-    if not line["trials"]:
-        verdict = UNTRIED
-    else:
-        verdict = FOUND if share >= DETECTED else GONE if share < LOST else AT_TIMES
-    return Finding(str(line["attack"]), share, low, high, verdict)
+    return Finding(str(line["attack"]), share, low, high, verdict(line, pf))
 
 
 @dataclass(frozen=True)
@@ -159,7 +153,8 @@ def ranking(tables: Mapping[str, pd.DataFrame]) -> Ranking | None:
         str(budget): [{str(key): value for key, value in line.items()} for line in group.to_dict("records")]
         for budget, group in tables["leaderboard"].groupby("budget", sort=False)
     }
-    left_out = list(calibration.loc[calibration["error"] != "", "error"])
+    refused = calibration[calibration["error"] != ""]
+    left_out = [f"{line['scheme']}: {line['error']}" for line in refused.to_dict("records")]
     return Ranking(orders, left_out, f"{METHOD} {interval_words(calibration['mesh'].nunique())}")
 
 

@@ -1,6 +1,9 @@
 """What a finished run says on the terminal: detection by attack, and where the rest is."""
 
+import math
 import re
+from collections.abc import Mapping
+from typing import Any
 
 import pandas as pd
 from rich.console import Console
@@ -14,6 +17,20 @@ PLAIN_WIDTH = 110
 
 DETECTED, LOST = 0.99, 0.5
 """Pd from which a mark counts as surviving an attack, and below which it counts as lost."""
+
+FOUND, AT_TIMES, GONE, UNTRIED = "found", "found at times", "lost", "not tried"
+BEYOND = "out of reach"
+"""No key of so few signs has so small a false-alarm probability."""
+
+
+def verdict(line: Mapping[Any, Any], pf: float) -> str:
+    """Return the word for a line of the detection table at one of its Pf."""
+    share = line[f"pd_{pf:g}"]
+    if not line["trials"]:
+        return UNTRIED
+    if line["log10_pf_least"] > math.log10(pf):
+        return BEYOND
+    return FOUND if share >= DETECTED else GONE if share < LOST else AT_TIMES
 
 
 def print_summary(directory: RunDirectory) -> None:
@@ -31,16 +48,20 @@ def print_summary(directory: RunDirectory) -> None:
         output.add_column("the mark is")
         for line in group.to_dict("records"):
             share, low, high = (line[f"pd_{pf:g}{end}"] for end in ("", "_low", "_high"))
-            verdict = "found" if share >= DETECTED else "lost" if share < LOST else "found at times"
             output.add_row(
                 str(line["attack"]),
                 str(line["trials"]),
                 f"{line['d_prime']:.1f}",
                 f"{share:.3f}",
                 f"{low:.3f} to {high:.3f}",
-                verdict if line["trials"] else "not tried: every attack failed",
+                verdict(line, pf),
             )
         console.print(output)
+    calibration = directory.path / "tables" / "calibration.csv"
+    if calibration.exists():
+        refused = pd.read_csv(calibration, usecols=["scheme", "error"]).dropna()
+        for line in refused.to_dict("records"):
+            console.print(f"Left out, {line['scheme']}: {line['error']}", highlight=False, soft_wrap=True)
     console.print(f"Tables, figures and rows: {directory.path}", highlight=False, soft_wrap=True)
 
 

@@ -31,7 +31,13 @@ def run(
             help="Change one field of the config, such as trials=10; repeatable.",
         ),
     ] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and run nothing.")] = False,
+    dry_run: Annotated[
+        bool,
+        typer.Option(
+            "--dry-run",
+            help="Print the plan and, from one trial of each kind, how long it takes; store nothing.",
+        ),
+    ] = False,
 ) -> None:
     """Run an experiment, then report it.
 
@@ -44,11 +50,20 @@ def run(
     """
     from wm3d.bench import run_config
 
-    outcome = run_config(
-        config, out=out, workers=workers, dask=dask, overrides=overrides or [], dry_run=dry_run
-    )
+    try:
+        outcome = run_config(
+            config, out=out, workers=workers, dask=dask, overrides=overrides or [], dry_run=dry_run
+        )
+    except KeyboardInterrupt:
+        typer.echo(
+            "wm3d: stopped; finished cells are kept, and the same command goes on from there.", err=True
+        )
+        raise
     if outcome.failed:
-        typer.echo(f"wm3d: {outcome.directory}: {outcome.failed} trials failed.", err=True)
+        typer.echo(
+            f"wm3d: {outcome.directory}: {outcome.failed} trials failed; report.html says why, under Faults.",
+            err=True,
+        )
         raise typer.Exit(1)
 
 

@@ -72,8 +72,8 @@ def embed(
     """Mark a mesh and write its key.
 
     What detection finds in the file as written is printed. Both OUT and KEY.json are written, or neither;
-    existing files are replaced. Detection needs the key, and the original only where the scheme is not blind:
-    keep the key, and keep it secret.
+    existing files are replaced. Vertices and faces are kept, colours and textures are not. Detection needs
+    the key, and the original only where the scheme is not blind: keep the key, and keep it secret.
 
     Example: wm3d embed bunny marked.ply --key key.json --snr 44
 
@@ -179,7 +179,9 @@ def _evidence(score: "Score") -> str:
 
 
 def _keep_apart(key: Path, source: str, target: Path) -> None:
-    """Refuse a key that would overwrite a mesh."""
+    """Refuse a key that would overwrite a mesh, and a marked mesh that would overwrite its original."""
     for mesh in (source, target):
         if os.path.realpath(key) == os.path.realpath(mesh):
             raise Wm3dError(f"{key}: is the key and a mesh as well; give the key a name of its own.")
+    if os.path.realpath(source) == os.path.realpath(target):
+        raise Wm3dError(f"{target}: is the original; give the marked mesh a name of its own.")

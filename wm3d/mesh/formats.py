@@ -32,7 +32,9 @@ def read_ply(content: bytes) -> Arrays:
         loaded = load_ply(io.BytesIO(content), fix_texture=False, skip_materials=True)
     except ValueError as error:
         if "unexpected length" in str(error):
-            raise ValueError("its length does not fit its header, or its faces differ in size") from error
+            raise ValueError(
+                "its length does not fit its header, or its faces differ in size: write triangles, or OBJ"
+            ) from error
         raise
     vertices = np.asarray(loaded.get("vertices", np.empty((0, 3))), dtype=np.float64)
     faces = loaded.get("faces")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wm3d.arrays import FloatArray, IntArray
+from wm3d.arrays import BoolArray, FloatArray, IntArray
 from wm3d.errors import Wm3dError
 from wm3d.mesh import kernels
 
@@ -103,6 +103,13 @@ class Mesh:
         mean: FloatArray = kernels.vertex_mean(self.vertices)
         mean.flags.writeable = False
         return mean
+
+    @property
+    def used(self) -> BoolArray:
+        """Which vertices a face uses: (n,)."""
+        used = np.zeros(len(self.vertices), dtype=bool)
+        used[self.faces] = True
+        return used
 
     @property
     def diagonal(self) -> float:

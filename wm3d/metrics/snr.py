@@ -4,14 +4,16 @@ import math
 
 import numpy as np
 
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, kernels, vertex_moments
+from wm3d.mesh import Mesh, kernels
 
 
 def snr(original: Mesh, marked: Mesh) -> float:
     """Return 10 log10(var{v − m} / var{v' − v}) in dB, variances summed over x, y, z (eq. 13).
 
-    Infinite if no vertex moved.
+    Over the vertices that a face of the original uses: others are no part of the surface. Infinite if none of
+    them moved.
 
     Raises
     ------
@@ -19,10 +21,14 @@ def snr(original: Mesh, marked: Mesh) -> float:
         If the meshes do not have the same number of vertices.
     """
     check_same_vertices("SNR", original, marked)
-    moves = marked.vertices - original.vertices
-    signal = np.trace(vertex_moments(original).covariance)
-    noise = np.trace(kernels.vertex_covariance(moves, kernels.vertex_mean(moves)))
+    used = original.used
+    signal = _variance(original.vertices[used])
+    noise = _variance(marked.vertices[used] - original.vertices[used])
     return math.inf if noise == 0 else 10 * math.log10(signal / noise)
+
+
+def _variance(vectors: FloatArray) -> float:
+    return float(np.trace(kernels.vertex_covariance(vectors, kernels.vertex_mean(vectors))))
 
 
 def check_same_vertices(metric: str, original: Mesh, marked: Mesh) -> None:

@@ -5,6 +5,7 @@ from wm3d.schemes.cho2007 import Cho2007Mean, Cho2007Variance
 from wm3d.schemes.key import Key
 from wm3d.schemes.ohbuchi2002 import Ohbuchi2002
 from wm3d.schemes.radial_area import RadialArea
+from wm3d.schemes.range_dct import RangeDct
 from wm3d.schemes.range_mark import RangeMark
 from wm3d.schemes.registry import SCHEMES
 from wm3d.schemes.song2002 import Song2002
@@ -18,6 +19,7 @@ __all__ = [
     "Key",
     "Ohbuchi2002",
     "RadialArea",
+    "RangeDct",
     "RangeMark",
     "Scheme",
     "Song2002",

@@ -2,7 +2,7 @@
 
 import json
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,7 @@ class Key:
     """
 
     scheme: Scheme
-    seed: int
+    seed: int = field(repr=False)
 
     def score(self, mesh: Mesh) -> Score:
         """Look for this key in a mesh.

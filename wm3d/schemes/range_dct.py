@@ -108,8 +108,8 @@ class RangeDct(Scheme):
     Attributes
     ----------
     alpha : float
-        Root mean square move of the vertices, in percent of their root mean square distance from their mean:
-        SNR = 40 dB − 20 dB lg α.
+        Root mean square move of the vertices that a face uses, in percent of their root mean square distance
+        from their mean: SNR = 40 dB − 20 dB lg α.
     blocks : int, optional
         8×8 blocks of the image, about, for meshes with vertices enough (`FEWEST_VERTICES`); they are laid so
         that cells are square in the middle. By default one for every `VERTICES` vertices, 100 to 300.
@@ -124,7 +124,7 @@ class RangeDct(Scheme):
 
     alpha: Annotated[float, Field(gt=0, le=1e6)] = 0.63
     blocks: Annotated[int, Field(ge=1, le=10_000)] | None = None
-    reference: Reference | None = None
+    reference: Annotated[Reference | None, Field(repr=False)] = None
 
     def label(self) -> str:
         """Return the legend text, which is that of the config: the reference differs from key to key."""
@@ -144,15 +144,16 @@ class RangeDct(Scheme):
             raise Wm3dError(f"{mesh.name}: its volume image is flat, so no block can carry a mark.")
         signs = key_signs(seed, host.mark.amplitude.size)
         moves = host.moves(inverse_block_dct(host.mark.pattern(signs), host.image.volumes.shape))
-        strength = self.alpha / 100 * _rms(mesh.vertices - mesh.vertices.mean(axis=0)) / _rms(moves)
+        surface = mesh.vertices[mesh.used]
+        strength = self.alpha / 100 * _rms(surface - surface.mean(axis=0)) / _rms(moves[mesh.used])
         marked = mesh.with_vertices(mesh.vertices + strength * moves)
 
         reference = _reference(marked, host, signs)
         if reference is None:
             laid = host.mark.amplitude.shape[0]
             raise Wm3dError(
-                f"{mesh.name}: the mark cannot be read even from the marked mesh; try fewer blocks than "
-                f"{laid} or a larger alpha than {self.alpha:g}."
+                f"{mesh.name}: the mark cannot be read even from the marked mesh; see that its faces are "
+                f"wound alike, or try fewer blocks than {laid} or a larger alpha than {self.alpha:g}."
             )
         return marked, self.model_copy(update={"reference": reference})
 
@@ -245,7 +246,7 @@ def _host(mesh: Mesh, blocks: int | None) -> _Host:
     normals = pooled(posed, vertex_normals(mesh))
     length = np.linalg.norm(normals, axis=1)
     distance = np.hypot(posed[:, 1], posed[:, 2])
-    fade = np.minimum(1.0, distance / (AXIS * np.median(distance)))
+    fade = np.minimum(1.0, distance / (AXIS * np.median(distance[mesh.used])))
     directions = normals * (fade / np.where(length > 0, length, 1.0))[:, None]
     return _Host(frame, layout, posed, directions, image, ShapedDct.of(image.volumes, image.areas))
 

@@ -28,7 +28,7 @@ TUKEY = 4.0
 """Distance over the spread from which a landmark has no weight (Tukey's biweight)."""
 
 NEAR = 0.02
-"""Distance at which a landmark no longer counts as met, in the unit of the frame; half a cell of 100 blocks."""
+"""Distance at which a landmark is no longer met: half a cell of 100 blocks, in the unit of the frame."""
 
 DAMPING = np.r_[np.full(LINEAR_TERMS, 1e-6), np.full(QUADRATIC_TERMS - LINEAR_TERMS, 1e-3)]
 """Weight of each term of the change against that of the landmarks: a plane does not fix all of them."""
