@@ -48,12 +48,11 @@ def print_summary(directory: RunDirectory) -> None:
         output.add_column("the mark is")
         for line in group.to_dict("records"):
             share, low, high = (line[f"pd_{pf:g}{end}"] for end in ("", "_low", "_high"))
+            numbers = (f"{line['d_prime']:.1f}", f"{share:.3f}", f"{low:.3f} to {high:.3f}")
             output.add_row(
                 str(line["attack"]),
                 str(line["trials"]),
-                f"{line['d_prime']:.1f}",
-                f"{share:.3f}",
-                f"{low:.3f} to {high:.3f}",
+                *(numbers if line["trials"] else "–––"),
                 verdict(line, pf),
             )
         console.print(output)
