@@ -52,7 +52,7 @@ def embed(
     Raises
     ------
     Wm3dError
-        If a parameter is wrong, the mesh is none, or it cannot carry the mark.
+        If a parameter is wrong, `mesh` is no `Mesh`, or it cannot carry the mark.
     """
     if isinstance(scheme, Scheme):
         if parameters:
@@ -104,7 +104,8 @@ def detect(mesh: Mesh, key: Key, *, original: Mesh | None = None) -> Score:
     Raises
     ------
     Wm3dError
-        If mesh or key is none, the mark cannot be read, or the original is missing or another mesh.
+        If `mesh` is no `Mesh` or `key` no `Key`, the mesh cannot be read, or the original is missing or
+        another mesh.
     """
     _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
     _check(key, Key, "the key", "wm3d.Key.load reads one from a file")

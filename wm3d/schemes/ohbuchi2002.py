@@ -96,5 +96,5 @@ class Ohbuchi2002(Scheme):
         return RademacherSum(0.0, (spectrum / self._amplitude(self._mesh)).ravel())
 
     def _amplitude(self, mesh: Mesh) -> float:
-        used = len(np.unique(mesh.faces))
+        used = int(mesh.used.sum())
         return float(self.alpha / 100 * mesh.diagonal * np.sqrt(used / self.modes))

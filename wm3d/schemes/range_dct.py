@@ -241,7 +241,7 @@ def _host(mesh: Mesh, blocks: int | None) -> _Host:
     whole = without_flaps(mesh)  # as it will be read; the vertices are the same
     frame = principal_frame(whole)
     posed = frame.posed(mesh)
-    layout = _Layout.around(posed, whole, _laid(blocks, len(places(posed[np.unique(mesh.faces)]).first)))
+    layout = _Layout.around(posed, whole, _laid(blocks, len(places(posed[mesh.used]).first)))
     image = layout.image(posed, whole)
     normals = pooled(posed, vertex_normals(mesh))
     length = np.linalg.norm(normals, axis=1)

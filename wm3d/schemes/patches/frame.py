@@ -70,7 +70,7 @@ def volume_frame(mesh: Mesh) -> Frame:
             )
         axes[axis] *= np.sign(third[axis])
     axes[2] = np.cross(axes[0], axes[1])
-    heights = (mesh.vertices[np.unique(mesh.faces)] - moments.centroid) @ axes[0]
+    heights = (mesh.vertices[mesh.used] - moments.centroid) @ axes[0]
     return Frame(moments.centroid, axes, heights.min(), heights.max(), moments.volume)
 
 
