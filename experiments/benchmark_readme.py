@@ -6,8 +6,7 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment, StrictUndefined
 
-from wm3d.bench.findings import quoted_pf
-from wm3d.bench.summary import DETECTED, LOST
+from wm3d.bench.summary import DETECTED, LOST, quoted_pf
 
 TEMPLATE = Path(__file__).with_name("benchmark_readme.md.j2")
 FAMILIES = {

@@ -10,6 +10,8 @@ from shapes import blob
 from wm3d.attacks import Clean
 from wm3d.bench import Experiment, load_experiment, run_config, write_report
 from wm3d.bench.plan import calibrations, plan
+from wm3d.bench.store import RunDirectory
+from wm3d.bench.summary import print_summary
 from wm3d.mesh import load_mesh
 from wm3d.metrics import Budget
 from wm3d.schemes import Song2002
@@ -62,7 +64,7 @@ def test_schemes_of_one_budget_distort_alike_and_are_named_by_it(fair, blobs):
     assert Budget(metric="mrms", value=0.3).measured(mesh, marked) == pytest.approx(0.3, rel=0.1)
 
 
-def test_a_scheme_that_cannot_meet_the_budget_is_left_out_and_the_report_says_so(fair):
+def test_a_scheme_that_cannot_meet_the_budget_is_left_out_and_report_and_terminal_say_so(fair, capsys):
     left_out = calibration(fair)["error"].dropna()
     assert len(left_out)
     assert all(scheme.startswith(VARIANCE) for scheme in left_out.index)
@@ -70,6 +72,10 @@ def test_a_scheme_that_cannot_meet_the_budget_is_left_out_and_the_report_says_so
     for sentence in left_out:
         assert "cannot be set to an " in sentence
         assert sentence.rpartition(": ")[2].rstrip(".") in page
+    print_summary(RunDirectory(fair))
+    said = capsys.readouterr().out
+    for scheme, sentence in left_out.items():
+        assert f"Left out: {scheme}: {sentence}" in said
 
 
 def test_a_run_that_goes_on_calibrates_nothing_again(fair, monkeypatch):

@@ -53,6 +53,16 @@ def test_run_hands_its_options_on_and_tells_failures(
     )
 
 
+def test_a_run_that_is_stopped_says_what_is_kept(wm3d: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def run_config(*_: object, **__: object) -> Outcome:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("wm3d.bench.run_config", run_config)
+    outcome = wm3d("run", "tiny.yaml")
+    assert outcome.status != 0
+    assert "stopped; finished cells are kept, and the same command goes on" in outcome.stderr
+
+
 def test_plan_run_and_report(wm3d: Run, files: Path, out: Path) -> None:
     config = out / "tiny.yaml"
     config.write_text(

@@ -1,7 +1,7 @@
 """What a run found, in a form to put into sentences: what survived, what was lost, what the null is."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,11 +9,10 @@ import pandas as pd
 
 from wm3d.bench.config import Experiment
 from wm3d.bench.ranking import METHOD, interval_words
-from wm3d.bench.summary import verdict
+from wm3d.bench.summary import left_out, verdict
 from wm3d.component import Component
 from wm3d.errors import Wm3dError
 from wm3d.schemes import Scheme
-from wm3d.stats import DEFAULT_PF
 
 
 @dataclass(frozen=True)
@@ -45,11 +44,6 @@ class Case:
         for finding in self.having(verdict):
             groups.setdefault((finding.pd, finding.low, finding.high), []).append(finding)
         return list(groups.values())
-
-
-def quoted_pf(pf: Sequence[float]) -> float:
-    """Return the false-alarm probability nearest to `DEFAULT_PF` among those that the tables quote."""
-    return min(pf, key=lambda value: abs(math.log(value / DEFAULT_PF)))
 
 
 def cases(detection: pd.DataFrame, pf: float) -> list[Case]:
@@ -153,9 +147,7 @@ def ranking(tables: Mapping[str, pd.DataFrame]) -> Ranking | None:
         str(budget): [{str(key): value for key, value in line.items()} for line in group.to_dict("records")]
         for budget, group in tables["leaderboard"].groupby("budget", sort=False)
     }
-    refused = calibration[calibration["error"] != ""]
-    left_out = [f"{line['scheme']}: {line['error']}" for line in refused.to_dict("records")]
-    return Ranking(orders, left_out, f"{METHOD} {interval_words(calibration['mesh'].nunique())}")
+    return Ranking(orders, left_out(calibration), f"{METHOD} {interval_words(calibration['mesh'].nunique())}")
 
 
 def null_scores(rows: pd.DataFrame) -> dict[str, int]:

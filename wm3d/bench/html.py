@@ -17,7 +17,7 @@ from wm3d.bench.curves import LEAST_LOG10_PF
 from wm3d.bench.figures import power_of_ten
 from wm3d.bench.htmltables import HtmlTable, html_table, short_power, shortener
 from wm3d.bench.readings import readings
-from wm3d.bench.summary import DETECTED
+from wm3d.bench.summary import DETECTED, quoted_pf
 from wm3d.bench.tables import CELL_KEYS
 
 HYPOTHESES = {
@@ -61,7 +61,7 @@ class Run:
 def render(run: Run) -> str:
     """Return the report of a run; the same run gives the same text."""
     experiment = run.experiment
-    pf = findings.quoted_pf(experiment.pf)
+    pf = quoted_pf(experiment.pf)
     schemes = dict.fromkeys(scheme for case in experiment.cases for scheme in case.schemes)
     return (
         _environment()

@@ -13,13 +13,13 @@ from wm3d.bench import figures
 from wm3d.bench.columns import CALIBRATION, FALSE_ALARMS, TRIALS
 from wm3d.bench.config import load_experiment
 from wm3d.bench.curves import false_alarm_figure, roc_figure
-from wm3d.bench.findings import quoted_pf
 from wm3d.bench.heatmap import LEAST_ATTACKS, heatmap_figure
 from wm3d.bench.html import Run, render
 from wm3d.bench.leaderboard import leaderboard
 from wm3d.bench.quality import quality_figure
 from wm3d.bench.ranking import over_meshes, ranking
 from wm3d.bench.store import RunDirectory
+from wm3d.bench.summary import quoted_pf
 from wm3d.bench.tables import Sigmas, all_tables
 from wm3d.errors import Wm3dError
 

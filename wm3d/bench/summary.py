@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import pandas as pd
@@ -23,6 +23,17 @@ BEYOND = "out of reach"
 """No key of so few signs has so small a false-alarm probability."""
 
 
+def quoted_pf(pf: Iterable[float]) -> float:
+    """Return the false-alarm probability nearest to `DEFAULT_PF` among those that the tables quote."""
+    return min(pf, key=lambda value: abs(math.log(value / DEFAULT_PF)))
+
+
+def left_out(calibration: pd.DataFrame) -> list[str]:
+    """Return why schemes have no numbers on a mesh, a sentence each, from the table of calibrations."""
+    refused = calibration[calibration["error"].fillna("") != ""]
+    return [f"{line['scheme']}: {line['error']}" for line in refused.to_dict("records")]
+
+
 def verdict(line: Mapping[Any, Any], pf: float) -> str:
     """Return the word for a line of the detection table at one of its Pf."""
     share = line[f"pd_{pf:g}"]
@@ -37,7 +48,7 @@ def print_summary(directory: RunDirectory) -> None:
     """Print Pd at the false-alarm probability nearest to 1e-6, with its interval and a verdict."""
     table = pd.read_csv(directory.path / "tables" / "detection.csv")
     quoted = [float(match[1]) for name in table.columns if (match := re.fullmatch(r"pd_([^_]+)", str(name)))]
-    pf = min(quoted, key=lambda value: abs(value / DEFAULT_PF - 1))
+    pf = quoted_pf(quoted)
     console = table_console()
     for (mesh, scheme), group in table.groupby(["mesh", "scheme"], sort=False):
         console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
@@ -58,9 +69,8 @@ def print_summary(directory: RunDirectory) -> None:
         console.print(output)
     calibration = directory.path / "tables" / "calibration.csv"
     if calibration.exists():
-        refused = pd.read_csv(calibration, usecols=["scheme", "error"]).dropna()
-        for line in refused.to_dict("records"):
-            console.print(f"Left out, {line['scheme']}: {line['error']}", highlight=False, soft_wrap=True)
+        for sentence in left_out(pd.read_csv(calibration)):
+            console.print(f"Left out: {sentence}", highlight=False, soft_wrap=True)
     console.print(f"Tables, figures and rows: {directory.path}", highlight=False, soft_wrap=True)
 
 
