@@ -16,8 +16,12 @@ EXACT = FLOOR / 2
 FEWEST = 60
 """Fewest landmarks that say more than a pose; few have a normal where a model is all edges."""
 
-SURE = 0.65
-"""Share of the landmarks met from which no other start is tried."""
+SURE = 0.75
+"""Share of the landmarks met from which no turned start is tried."""
+
+CERTAIN = 0.85
+"""Share at which a pose is taken and no other tried; a smooth model that lost a part may meet 0.75 in the
+wrong place."""
 
 GAIN = 0.03
 """By how much the share of the landmarks met must grow for a fit to be preferred to a simpler one."""
@@ -57,8 +61,10 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
         if share_met(surface, landmarks, pose, EXACT) > 0.5:
             return Fit(pose, share_met(surface, landmarks, pose))
         fits.append(_best([Fit(pose, share_met(surface, landmarks, pose)), *_bent(surface, landmarks, pose)]))
-        if fits[-1].share >= SURE:
+        if fits[-1].share >= CERTAIN:
             return fits[-1]
+    if fits and _best(fits).share >= SURE:
+        return _best(fits)
     fits += [_best(_bent(surface, landmarks, start)) for start in _searched(surface, landmarks)]
     return _best(fits)
 
