@@ -25,7 +25,7 @@ from wm3d.scanner.affine import AffineFrame
 from wm3d.scanner.registration import Landmarks, Surface, Warp
 from wm3d.scanner.registration.fit import Fit
 from wm3d.scanner.volume import VolumeImage, volume_image
-from wm3d.schemes import range_dct
+from wm3d.schemes import informed, range_dct, volume_host
 
 MODELS = {"bunny-closed": 0.63, "happy-buddha-300k": 0.33}
 ATTACKED: list[tuple[str, dict[str, Any]]] = [
@@ -73,6 +73,11 @@ def frequency_scale(received: FloatArray) -> FloatArray:
     return np.broadcast_to(np.abs(received).mean(axis=0), received.shape).copy()
 
 
+def linear(y: FloatArray, a: FloatArray, scale: FloatArray) -> FloatArray:
+    """Return the correlation with the mark, in place of the expected sign."""
+    return np.divide(a * y, scale**2, out=np.zeros_like(y), where=scale > 0)
+
+
 def no_offset(scheme: range_dct.RangeDct) -> range_dct.RangeDct:
     """Return the scheme for a frame whose origin is not the solid's centroid."""
     assert scheme.reference is not None
@@ -84,15 +89,23 @@ WITHOUT: dict[str, list[Any]] = {
     "landmarks: the pose as the moments give it": [patch.object(range_dct, "registered", pose_alone)],
     "landmarks and moments: vertex-PCA pose": [
         patch.object(range_dct, "registered", pose_alone),
-        patch.object(range_dct, "principal_frame", pca_frame),
+        patch.object(volume_host, "principal_frame", pca_frame),
         patch.object(range_dct, "fitted_frame", pca_frame),
     ],
-    "volumes: first surface of one ray a cell": [patch.object(range_dct, "volume_image", first_surface)],
+    "volumes and informed embedding: first surface of one ray a cell": [
+        patch.object(volume_host, "volume_image", first_surface),
+        patch.object(informed, "STEPS", 0),
+    ],
     "smoothing of crumpled surfaces": [patch.object(denoise, "CRUMPLED", math.inf)],
     "block activity: scale by frequency": [patch.object(shaped_dct, "activity_scale", frequency_scale)],
     "shaping: all amplitudes equal": [patch.object(shaped_dct, "SHAPING", 0.0)],
-    "cells as fine as the mesh: 100 blocks": [patch.object(range_dct, "MOST_BLOCKS", 100)],
-    "generalized Gaussian: linear detector": [patch.object(shaped_dct, "SHAPE", 2.0)],
+    "cells as fine as the mesh: 100 blocks": [patch.object(volume_host, "MOST_BLOCKS", 100)],
+    "informed embedding: the pattern as it is": [patch.object(informed, "STEPS", 0)],
+    "scale of the host: that of what is received": [patch.object(shaped_dct, "_UNMIXINGS", 0)],
+    "expected signs and scale of the host: linear detector": [
+        patch.object(shaped_dct, "_UNMIXINGS", 0),
+        patch.object(shaped_dct, "_expected_sign", linear),
+    ],
 }
 
 

@@ -1,16 +1,18 @@
-"""The shaped block-DCT mark: the activity model, the amplitudes, and a detector that follows from both."""
+"""The shaped block-DCT mark: the activity model, the amplitudes, the detector, what an embedder climbs."""
+
+from unittest.mock import patch
 
 import numpy as np
 import pytest
-from scipy.special import gammaln
+from scipy.stats import laplace
 
-from wm3d.imagemarks import GgdLrt
 from wm3d.imagemarks.blocks import AC, block_dct, inverse_block_dct
 from wm3d.imagemarks.shaped_dct import (
     LEAST_AREA,
+    MARGIN,
     MOST_AMPLITUDE,
-    SHAPE,
     SHAPING,
+    Agreement,
     ShapedDct,
     activity_scale,
 )
@@ -93,31 +95,43 @@ def test_pattern_is_the_amplitude_with_the_signs_of_the_key_and_no_mean():
     np.testing.assert_array_equal(pattern[:, 1:], MARK.amplitude * signs.reshape(BLOCKS, AC))
 
 
+def marked(strength: float, seed: int) -> ShapedDct:
+    """The host with a mark of some strength in every coefficient."""
+    signs = key_signs(seed, BLOCKS * AC)
+    change = AREAS * strength * inverse_block_dct(MARK.pattern(signs), VOLUMES.shape)
+    return ShapedDct.of(VOLUMES + change, AREAS)
+
+
 def test_evidence_is_odd_in_the_image():
     evidence, opposite = MARK.evidence(0.05), ShapedDct.of(-VOLUMES, AREAS).evidence(0.05)
-    np.testing.assert_array_equal(opposite.b, -evidence.b)
-    assert opposite.offset == pytest.approx(evidence.offset, rel=1e-12)
+    np.testing.assert_allclose(opposite.b, -evidence.b, rtol=1e-9)
+    assert evidence.offset == opposite.offset == 0
     assert (np.sign(evidence.b) == np.sign(MARK.received.ravel())).all()
 
 
-def test_evidence_is_the_likelihood_ratio_of_each_key():
-    strength, signs = 0.05, key_signs(8, BLOCKS * AC)
-    change = strength * MARK.response * signs.reshape(BLOCKS, AC)
-    likelihood = [-((np.abs(y) / MARK.scale) ** SHAPE).sum() for y in (MARK.received - change, MARK.received)]
-    statistic = MARK.evidence(strength).score(signs).statistic
-    assert statistic == pytest.approx(likelihood[0] - likelihood[1], rel=1e-9)
-
-
-def test_equal_scales_and_amplitudes_give_the_detector_of_the_paper():
-    received = np.random.default_rng(9).laplace(size=(BLOCKS, AC))
-    received /= np.sqrt((received**2).mean(axis=0))  # `GgdLrt` has a scale for each frequency
+def test_a_key_scores_the_sign_that_bayes_expects_of_each_coefficient():
+    a, strength = 0.7, 0.35
+    received = laplace(scale=2.0).rvs(size=(BLOCKS, AC), random_state=9)
     ones = np.ones_like(received)
-    ours = ShapedDct(received, ones, 2.0 * ones, ones).evidence(0.15)
-    paper = GgdLrt(shape=SHAPE).evidence(received, 0.3)
-    # its unit is β⁻¹ = σ √(Γ(1/c)/Γ(3/c))
-    power = np.exp(0.5 * SHAPE * (gammaln(3 / SHAPE) - gammaln(1 / SHAPE)))
-    np.testing.assert_allclose(power * ours.b, paper.b, rtol=1e-9, atol=1e-12)
-    assert power * ours.offset == pytest.approx(paper.offset, rel=1e-9)
+    mark = ShapedDct(received, ones, 2.0 * ones, ones)
+    # any scale will do here, if only all coefficients have the same
+    with patch.object(ShapedDct, "_unmarked_scale", return_value=2.0 * ones):
+        b = mark.evidence(strength).b.reshape(received.shape)
+    plus, minus = (laplace(loc=sign * a, scale=2.0).pdf(received) for sign in (1, -1))
+    np.testing.assert_allclose(b, (plus - minus) / (plus + minus), rtol=1e-9, atol=1e-15)
+
+
+def test_scale_is_that_of_the_host_under_the_mark():
+    strength = 0.2
+    mark = marked(strength, 12)
+    there = mark._unmarked_scale(strength * mark.response)
+
+    def error(scale):
+        return float(np.median(np.abs(np.log(scale / MARK.scale))))
+
+    # the mark is half as large as the host, and adds to the size of what is received
+    assert error(mark.scale) > 0.4
+    assert error(there) < 0.5 * error(mark.scale)
 
 
 def test_blocks_without_surface_carry_nothing_and_are_not_read():
@@ -154,3 +168,37 @@ def test_moves_that_the_mark_asks_for_are_found_and_other_keys_are_not():
     assert abs(z.mean()) < 5 / np.sqrt(2000)
     assert abs(z.var() - 1) < 5 * np.sqrt(2 / 2000)
     assert z.max() < 6.2
+
+
+def value(agreement: Agreement, coefficients: np.ndarray) -> float:
+    margin = agreement.per_margin * coefficients
+    return float((agreement.weight * margin / np.sqrt(1 + margin**2)).sum())
+
+
+def agreement_of_a_key() -> Agreement:
+    signs = key_signs(13, BLOCKS * AC)
+    change = 0.05 * MARK.response * signs.reshape(BLOCKS, AC)
+    agreement = Agreement.of(MARK, signs, change)
+    assert agreement is not None
+    return agreement
+
+
+def test_margin_is_measured_in_the_amplitude_of_the_pattern():
+    agreement, amplitude = agreement_of_a_key(), 0.05 * MARK.response
+    np.testing.assert_allclose(np.abs(agreement.per_margin), 1 / (MARGIN * amplitude), rtol=1e-12)
+    np.testing.assert_allclose(agreement.weight, np.minimum(1, amplitude / MARK.scale), rtol=1e-12)
+
+
+def test_gradient_is_the_slope_of_the_agreement_and_curvature_bounds_its_change():
+    agreement, y = agreement_of_a_key(), MARK.received
+    direction = np.random.default_rng(14).normal(size=y.shape) * MARK.scale
+    step = 1e-6
+    rise = value(agreement, y + step * direction) - value(agreement, y - step * direction)
+    assert rise / (2 * step) == pytest.approx((agreement.gradient(y) * direction).sum(), rel=1e-6)
+    change = agreement.gradient(y + direction) - agreement.gradient(y)
+    assert (np.abs(change) <= agreement.curvature * np.abs(direction)).all()
+
+
+def test_pattern_that_moves_the_image_the_wrong_way_has_no_agreement():
+    signs = key_signs(13, BLOCKS * AC)
+    assert Agreement.of(MARK, signs, -0.05 * MARK.response * signs.reshape(BLOCKS, AC)) is None

@@ -2,12 +2,18 @@
 
 import numpy as np
 import pytest
-from shapes import blob, icosphere, inside_out, uv_cylinder
+from shapes import blob, box, icosphere, inside_out, uv_cylinder
 
 from wm3d.attacks import Subdivide
 from wm3d.mesh import Mesh, signed_volume, surface_area, vertex_normals
 from wm3d.scanner.affine import principal_frame
-from wm3d.scanner.volume import VolumeImage, kernels, volume_image, volume_image_reference
+from wm3d.scanner.volume import (
+    VolumeImage,
+    kernels,
+    volume_image,
+    volume_image_reference,
+    volume_jacobian,
+)
 
 GRID = (32, 24)
 COARSE = principal_frame(blob(0, 3)).posed(blob(0, 3)), blob(0, 3).faces
@@ -187,3 +193,35 @@ def test_faces_without_an_area_add_nothing():
     image = of(np.vstack([posed, on_axis]), with_slivers)
     np.testing.assert_array_equal(image.volumes, of(posed, faces).volumes)
     np.testing.assert_array_equal(image.areas, of(posed, faces).areas)
+
+
+@pytest.mark.parametrize("outward", [1, -1])
+def test_jacobian_is_what_the_image_changes_by_for_small_moves(outward):
+    posed, faces = FINE
+    faces = Mesh(posed, faces[:, ::-1] if outward < 0 else faces).faces
+    normals = posed / np.linalg.norm(posed, axis=1, keepdims=True)
+    jacobian = volume_jacobian(posed, faces, normals, GRID, LOW, HEIGHT, outward)
+    along = np.sin(3 * posed[:, 0]) + np.cos(2 * posed[:, 1])
+    step = 1e-5
+    ahead, behind = (
+        volume_image_reference(
+            posed + sign * step * along[:, None] * normals, faces, GRID, LOW, HEIGHT, outward
+        )
+        for sign in (1, -1)
+    )
+    slope = (ahead.volumes - behind.volumes) / (2 * step)
+    assert relative((jacobian @ along).reshape(slope.shape), slope) < 0.03
+
+
+LARGE_FACES = about_z(box((1.0, 1.3, 1.7))), box().faces
+
+
+@pytest.mark.parametrize(("posed", "faces"), [COARSE, LARGE_FACES], ids=["blob", "box"])
+def test_jacobian_adds_up_to_the_flux_through_the_faces(posed, faces):
+    # within the rows, so that every face is dealt out in full
+    directions = np.random.default_rng(3).normal(size=posed.shape)
+    jacobian = volume_jacobian(posed, Mesh(posed, faces).faces, directions, (64, 48), -2.5, 5.0, 1)
+    a, b, c = (posed[faces[:, k]] for k in range(3))
+    flux = -np.einsum("fi,fki->fk", np.cross(b - a, c - a) / 6, directions[faces])
+    expected = np.bincount(faces.ravel(), flux.ravel(), len(posed))
+    np.testing.assert_allclose(jacobian.sum(axis=0), expected, rtol=0, atol=1e-12)

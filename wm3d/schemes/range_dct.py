@@ -1,47 +1,24 @@
 """The robust variant of the paper's idea: a block-DCT mark in what an affine-invariant scanner sees."""
 
-import math
-from functools import lru_cache
-from typing import Annotated, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from wm3d.arrays import FloatArray, SignArray
 from wm3d.errors import Wm3dError
-from wm3d.imagemarks.blocks import AC, BLOCK, block_dct, inverse_block_dct
+from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
-from wm3d.mesh import (
-    Mesh,
-    SolidMoments,
-    orientation,
-    places,
-    solid_moments,
-    vertex_normals,
-    without_flaps,
-)
+from wm3d.mesh import Mesh, SolidMoments, solid_moments, without_flaps
 from wm3d.mesh.solid import ENTRIES
-from wm3d.scanner.affine import AffineFrame, fitted_frame, principal_frame
+from wm3d.scanner.affine import AffineFrame, fitted_frame
 from wm3d.scanner.denoise import denoised, whitened_area
 from wm3d.scanner.registration import Landmarks, Surface, Warp, registered
 from wm3d.scanner.scan import MAX_GRID
-from wm3d.scanner.volume import VolumeImage, volume_image
-from wm3d.schemes import kernels
 from wm3d.schemes.base import Scheme
-from wm3d.schemes.movement import pooled
+from wm3d.schemes.informed import informed_moves
+from wm3d.schemes.volume_host import Host, Layout, host_of
 from wm3d.stats import RademacherSum, key_signs
-
-AXIS = 0.25
-"""Distance from the axis, over the median, below which moves fade out: cells become thin wedges there."""
-
-FEWEST_VERTICES = 1.5
-"""Vertices a cell of the image, below which cells are made larger: what is finer than the mesh is lost."""
-
-VERTICES = 500
-"""Vertices of the mesh for each block, by default: finer meshes carry finer cells, and more signs."""
-
-FEWEST_BLOCKS, MOST_BLOCKS = 100, 300
-"""Bounds of the default: fewer blocks carry too little, and of more noise of a given size leaves less."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Vector = tuple[float, float, float]
@@ -102,8 +79,9 @@ class RangeDct(Scheme):
 
     Where it differs from `Song2002`: the pose comes from the moments of the solid, so neither the density of
     the vertices nor a stretch nor a shear turns it; a cell holds the volume of the solid behind it and not
-    the range of one ray; a surface crumpled by noise is smoothed before; vertices move along their normals;
-    amplitudes and detector follow the activity of each block.
+    the range of one ray; a surface crumpled by noise is smoothed before; vertices move along their normals,
+    so that as many coefficients as can say their sign; amplitudes and detector follow the activity of each
+    block.
 
     Attributes
     ----------
@@ -111,13 +89,13 @@ class RangeDct(Scheme):
         Root mean square move of the vertices that a face uses, in percent of their root mean square distance
         from their mean: SNR = 40 dB − 20 dB lg α.
     blocks : int, optional
-        8×8 blocks of the image, about, for meshes with vertices enough (`FEWEST_VERTICES`); they are laid so
-        that cells are square in the middle. By default one for every `VERTICES` vertices, 100 to 300.
+        8×8 blocks of the image, about, for meshes with vertices enough (`volume_host.FEWEST_VERTICES`); they
+        are laid so that cells are square in the middle. By default one for every 500 vertices, 100 to 300.
     reference : Reference, optional
         What `embed` finds out of the mesh; detection needs it.
     """
 
-    version: ClassVar[int] = 3
+    version: ClassVar[int] = 4
 
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
@@ -138,15 +116,14 @@ class RangeDct(Scheme):
         return (rows // BLOCK) * (columns // BLOCK) * AC
 
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
-        """Move the vertices along their normals by the pattern of a key; see `Scheme.embed`."""
-        host = _host(mesh, self.blocks)
+        """Move the vertices along their normals so that the image says the key; see `Scheme.embed`."""
+        host = host_of(mesh, self.blocks)
         if not host.mark.carries.any():
             raise Wm3dError(f"{mesh.name}: its volume image is flat, so no block can carry a mark.")
         signs = key_signs(seed, host.mark.amplitude.size)
-        moves = host.moves(inverse_block_dct(host.mark.pattern(signs), host.image.volumes.shape))
         surface = mesh.vertices[mesh.used]
-        strength = self.alpha / 100 * _rms(surface - surface.mean(axis=0)) / _rms(moves[mesh.used])
-        marked = mesh.with_vertices(mesh.vertices + strength * moves)
+        size = self.alpha / 100 * _rms(surface - surface.mean(axis=0))
+        marked = mesh.with_vertices(mesh.vertices + host.moves(informed_moves(host, signs, size)))
 
         reference = _reference(marked, host, signs)
         if reference is None:
@@ -167,7 +144,7 @@ class RangeDct(Scheme):
         frame = fitted_frame(mesh, SolidMoments.of_entries(known.moments))
         surface = Surface.of(mesh)
         found = registered(surface, Landmarks.decode(known.landmarks), known.poses(frame, surface))
-        layout = _Layout(known.grid, known.hmin, known.height)
+        layout = Layout(known.grid, known.hmin, known.height)
         image = layout.image(found.warp(surface.placed(mesh.vertices)), mesh)
         return ShapedDct.of(image.volumes, image.areas).evidence(known.strength)
 
@@ -181,89 +158,12 @@ class RangeDct(Scheme):
         return self.reference
 
 
-class _Layout(NamedTuple):
-    """Grid (N_v, N_u), lower end and height of the cylinder, in the unit of the frame."""
-
-    grid: tuple[GridSize, GridSize]
-    hmin: float
-    height: float
-
-    @classmethod
-    def around(cls, posed: FloatArray, mesh: Mesh, blocks: float) -> "_Layout":
-        """Lay about so many blocks around a solid, of cells that are square at its mean distance."""
-        a, b, c = (posed[mesh.faces[:, k]] for k in range(3))
-        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        square = sum((corner[:, 1:] ** 2).sum(axis=1) for corner in (a, b, c)) / 3
-        radius = math.sqrt(float(area @ square / area.sum()))
-        heights = np.stack([a[:, 0], b[:, 0], c[:, 0]])  # of vertices that a face uses
-        hmin, height = float(heights.min()), float(np.ptp(heights))
-        up = max(1, round(math.sqrt(blocks * height / (2 * math.pi * radius))))
-        around = max(1, round(blocks / up))
-        return cls((BLOCK * around, BLOCK * up), hmin, height)
-
-    def image(self, posed: FloatArray, mesh: Mesh) -> VolumeImage:
-        return volume_image(posed, mesh.faces, self.grid, self.hmin, self.height, orientation(mesh))
-
-
-class _Host(NamedTuple):
-    """The original as every key finds it.
-
-    Attributes
-    ----------
-    frame : AffineFrame
-    layout : _Layout
-    posed : (n, 3) ndarray
-        Its vertices in the frame.
-    directions : (n, 3) ndarray
-        Outward normals of the vertices, in mesh coordinates; of length 1, less near the axis.
-    image : VolumeImage
-    mark : ShapedDct
-        Of the image.
-    """
-
-    frame: AffineFrame
-    layout: _Layout
-    posed: FloatArray
-    directions: FloatArray
-    image: VolumeImage
-    mark: ShapedDct
-
-    def moves(self, pattern: FloatArray) -> FloatArray:
-        """Move the vertices along their normals by a pattern (N_u, N_v): (n, 3)."""
-        along = kernels.image_at(self.posed, pattern, self.layout.hmin, self.layout.height)
-        moves: FloatArray = self.directions * along[:, None]
-        return moves
-
-
-# the original is marked with one key after the other, or at one strength after the other
-@lru_cache(maxsize=1)
-def _host(mesh: Mesh, blocks: int | None) -> _Host:
-    whole = without_flaps(mesh)  # as it will be read; the vertices are the same
-    frame = principal_frame(whole)
-    posed = frame.posed(mesh)
-    layout = _Layout.around(posed, whole, _laid(blocks, len(places(posed[mesh.used]).first)))
-    image = layout.image(posed, whole)
-    normals = pooled(posed, vertex_normals(mesh))
-    length = np.linalg.norm(normals, axis=1)
-    distance = np.hypot(posed[:, 1], posed[:, 2])
-    fade = np.minimum(1.0, distance / (AXIS * np.median(distance[mesh.used])))
-    directions = normals * (fade / np.where(length > 0, length, 1.0))[:, None]
-    return _Host(frame, layout, posed, directions, image, ShapedDct.of(image.volumes, image.areas))
-
-
-def _laid(blocks: int | None, vertices: int) -> float:
-    """Return how many blocks to lay around a mesh of so many vertices if so many are asked for."""
-    wanted = blocks or min(max(vertices / VERTICES, FEWEST_BLOCKS), MOST_BLOCKS)
-    return min(wanted, vertices / (FEWEST_VERTICES * BLOCK**2))
-
-
-def _reference(marked: Mesh, host: _Host, signs: SignArray) -> Reference | None:
+def _reference(marked: Mesh, host: Host, signs: SignArray) -> Reference | None:
     """Measure what detection needs on the marked mesh; None if even there the mark is not found."""
-    frame, layout, response = host.frame, host.layout, host.mark.response
+    frame, layout = host.frame, host.layout
     marked = without_flaps(marked)
     seen = layout.image(frame.posed(marked), marked)
-    gained = block_dct(seen.volumes - host.image.volumes)[:, 1:] * signs.reshape(-1, AC)
-    survives = float((gained * response).sum() / (response**2).sum())
+    survives = host.mark.strength_of(block_dct(seen.volumes - host.image.volumes)[:, 1:], signs)
     if survives <= 0 or not ShapedDct.of(seen.volumes, seen.areas).evidence(survives).score(signs).detected():
         return None
     found = solid_moments(marked)

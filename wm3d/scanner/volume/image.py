@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.scanner.volume import kernels
@@ -10,6 +11,9 @@ from wm3d.scanner.volume import kernels
 SAMPLES = 1.5
 """Parts of a face along its longer side, per cell of the image that it spans; more for coarse meshes gain
 little."""
+
+JACOBIAN_SAMPLES = 0.5
+"""The same for the Jacobian, which is only climbed on: what was embedded is read from the image itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +64,40 @@ def volume_image(
     columns, rows = grid
     volumes, areas = kernels.deposit(posed, faces, rows, columns, hmin, height, SAMPLES)
     return VolumeImage(-outward * volumes, areas)  # minus: s1, s2, s3 are left-handed
+
+
+def volume_jacobian(
+    posed: FloatArray,
+    faces: IntArray,
+    directions: FloatArray,
+    grid: tuple[int, int],
+    hmin: float,
+    height: float,
+    outward: int,
+) -> csr_array:
+    """Return how the volumes of `volume_image` grow when vertices move along given directions.
+
+    A cell grows by ∮ φ β d·n dA with the move of a vertex, whose tent function is β and whose direction is d
+    (but for what the rim of an open mesh adds).
+
+    Parameters
+    ----------
+    posed, faces, grid, hmin, height, outward
+        As for `volume_image`.
+    directions : (n, 3) ndarray
+        Of the vertices, in the unit of `posed` for a move of 1.
+
+    Returns
+    -------
+    (N_u · N_v, n) sparse array
+        Of the cells, in the order of `VolumeImage.volumes`, by the vertices.
+    """
+    columns, rows = grid
+    cells, vertices, values = kernels.differentiate(
+        posed, faces, directions, rows, columns, hmin, height, JACOBIAN_SAMPLES
+    )
+    shape = (rows * columns, len(posed))
+    return coo_array((-outward * values, (cells, vertices)), shape=shape).tocsr()
 
 
 def volume_image_reference(

@@ -1,13 +1,14 @@
-"""Numba kernel of the volume image: faces in parts, each dealt out to the four cells around it.
+"""Numba kernels of the volume image and of its slope: faces in parts, each dealt to the four cells around it.
 
-Sums run in face order on one thread, so a result never depends on the machine's cores. Its plain numpy twin
-is `wm3d.scanner.volume.volume_image_reference`.
+Sums run in face order on one thread, so a result never depends on the machine's cores. The plain numpy twin
+of `deposit` is `wm3d.scanner.volume.volume_image_reference`; its slope is the oracle of `differentiate`.
 """
 
 import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.scanner.kernels import cosine_weight
@@ -38,20 +39,98 @@ def deposit(
         if doubled == 0.0:
             continue
         parts = _parts(posed, a, b, c, per_height, per_angle, samples)
-        sixth, share = 1.0 / (6 * parts), 1.0 / (3 * parts * parts)
+        share = 1.0 / (3 * parts * parts)
         for i in range(parts):
-            for k in range(2 * (parts - i) - 1):  # upright and turned parts of a strip in turn
-                side = 1 - 2 * (k % 2)
-                s0, t0 = 6 * (i + k % 2), 6 * (k // 2 + k % 2)
+            for k in range(2 * (parts - i) - 1):
                 for q in range(3):
-                    s = sixth * (s0 + side * (4 if q == 1 else 1))
-                    t = sixth * (t0 + side * (4 if q == 2 else 1))
+                    s, t = _point(parts, i, k, q)
                     x, y = across + s * d1 + t * e1, depth + s * d2 + t * e2
                     u = (posed[a, 0] + s * d0 + t * e0 - hmin) * per_height - 0.5
                     v = (angles[a] + _angle_from(across, depth, x, y)) * per_angle
                     through = 0.25 * share * (x * n1 + y * n2)
                     _deal(flux, area, u, v, through, 0.5 * share * doubled)
     return flux, area
+
+
+@njit(cache=True, error_model="numpy")
+def differentiate(
+    posed: FloatArray,
+    faces: IntArray,
+    directions: FloatArray,
+    rows: int,
+    columns: int,
+    hmin: float,
+    height: float,
+    samples: float,
+) -> tuple[NDArray[np.int32], NDArray[np.int32], FloatArray]:
+    """Return ∮ φ β (d·n) dA for the cells φ and vertices β (a tent) that meet: cells, vertices, values.
+
+    By the points and weights of `deposit`; a cell and a vertex come up once for each face that they share.
+    """
+    angles = _angles(posed)
+    per_height, per_angle = rows / height, columns / (2.0 * math.pi)
+    seen = np.full(rows * columns, -1)  # the last face in a cell, and where its sums stand
+    place = np.zeros(rows * columns, dtype=np.int64)
+    touched = np.zeros(rows * columns, dtype=np.int64)
+    sums = np.zeros((rows * columns, 3))
+    room = 20 * len(faces)  # enough where faces are smaller than cells
+    cells, vertices, values = np.zeros(room, np.int32), np.zeros(room, np.int32), np.zeros(room)
+    filled = 0
+    for f in range(len(faces)):
+        a, b, c = np.uintp(faces[f, 0]), np.uintp(faces[f, 1]), np.uintp(faces[f, 2])
+        across, depth = posed[a, 1], posed[a, 2]
+        d0, d1, d2 = posed[b, 0] - posed[a, 0], posed[b, 1] - across, posed[b, 2] - depth
+        e0, e1, e2 = posed[c, 0] - posed[a, 0], posed[c, 1] - across, posed[c, 2] - depth
+        n0, n1, n2 = d1 * e2 - d2 * e1, d2 * e0 - d0 * e2, d0 * e1 - d1 * e0
+        if n0 == 0.0 and n1 == 0.0 and n2 == 0.0:
+            continue
+        parts = _parts(posed, a, b, c, per_height, per_angle, samples)
+        half = 0.5 / (3 * parts * parts)
+        through_a = half * (directions[a, 0] * n0 + directions[a, 1] * n1 + directions[a, 2] * n2)
+        through_b = half * (directions[b, 0] * n0 + directions[b, 1] * n1 + directions[b, 2] * n2)
+        through_c = half * (directions[c, 0] * n0 + directions[c, 1] * n1 + directions[c, 2] * n2)
+        count = 0
+        for i in range(parts):
+            for k in range(2 * (parts - i) - 1):
+                for q in range(3):
+                    s, t = _point(parts, i, k, q)
+                    x, y = across + s * d1 + t * e1, depth + s * d2 + t * e2
+                    u = (posed[a, 0] + s * d0 + t * e0 - hmin) * per_height - 0.5
+                    v = (angles[a] + _angle_from(across, depth, x, y)) * per_angle
+                    u0, v0 = math.floor(u), math.floor(v)
+                    fu, fv = cosine_weight(u - u0), cosine_weight(v - v0)
+                    for row, of_row in ((u0, fu), (u0 + 1, 1.0 - fu)):
+                        if not 0 <= row < rows:
+                            continue
+                        for column, of_column in ((v0, fv), (v0 + 1, 1.0 - fv)):
+                            cell = np.uintp(row) * np.uintp(columns) + _wrapped(column, columns)
+                            if seen[cell] != f:
+                                seen[cell], place[cell], touched[count] = f, count, cell
+                                sums[count, :] = 0.0
+                                count += 1
+                            here, weight = place[cell], of_row * of_column
+                            sums[here, 0] += weight * (1.0 - s - t) * through_a
+                            sums[here, 1] += weight * s * through_b
+                            sums[here, 2] += weight * t * through_c
+        while filled + 3 * count > len(values):
+            cells = np.concatenate((cells, np.zeros_like(cells)))
+            vertices = np.concatenate((vertices, np.zeros_like(vertices)))
+            values = np.concatenate((values, np.zeros_like(values)))
+        for here in range(count):
+            for k in range(3):
+                cells[filled], vertices[filled], values[filled] = touched[here], faces[f, k], sums[here, k]
+                filled += 1
+    return cells[:filled], vertices[:filled], values[:filled]
+
+
+@njit(cache=True, error_model="numpy")
+def _point(parts: int, i: int, k: int, q: int) -> tuple[float, float]:
+    """Barycentric place of point q of the k-th part of strip i; upright and turned parts take turns."""
+    side = 1 - 2 * (k % 2)
+    sixth = 1.0 / (6 * parts)
+    s = sixth * (6 * (i + k % 2) + side * (4 if q == 1 else 1))
+    t = sixth * (6 * (k // 2 + k % 2) + side * (4 if q == 2 else 1))
+    return s, t
 
 
 @njit(cache=True, error_model="numpy")

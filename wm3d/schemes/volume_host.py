@@ -1,0 +1,152 @@
+"""The original as the keys of `RangeDct` find it: its frame, its cylinder, its volume image, its moves."""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from wm3d.arrays import FloatArray, IntArray
+from wm3d.imagemarks.blocks import BLOCK
+from wm3d.imagemarks.shaped_dct import ShapedDct
+from wm3d.mesh import Mesh, orientation, places, vertex_normals, without_flaps
+from wm3d.scanner import kernels
+from wm3d.scanner.affine import AffineFrame, principal_frame
+from wm3d.scanner.volume import VolumeImage, volume_image, volume_jacobian
+from wm3d.schemes.movement import pooled
+
+AXIS = 0.25
+"""Distance from the axis, over the median, below which moves fade out: cells become thin wedges there."""
+
+FEWEST_VERTICES = 1.5
+"""Vertices a cell of the image, below which cells are made larger: what is finer than the mesh is lost."""
+
+VERTICES = 500
+"""Vertices of the mesh for each block, by default: finer meshes carry finer cells, and more signs."""
+
+FEWEST_BLOCKS, MOST_BLOCKS = 100, 300
+"""Bounds of the default: fewer blocks carry too little, and of more noise of a given size leaves less."""
+
+
+class Layout(NamedTuple):
+    """Grid (N_v, N_u), lower end and height of the cylinder, in the unit of the frame."""
+
+    grid: tuple[int, int]
+    hmin: float
+    height: float
+
+    @classmethod
+    def around(cls, posed: FloatArray, mesh: Mesh, blocks: float) -> "Layout":
+        """Lay about so many blocks around a solid, of cells that are square at its mean distance."""
+        a, b, c = (posed[mesh.faces[:, k]] for k in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        square = sum((corner[:, 1:] ** 2).sum(axis=1) for corner in (a, b, c)) / 3
+        radius = math.sqrt(float(area @ square / area.sum()))
+        heights = np.stack([a[:, 0], b[:, 0], c[:, 0]])  # of vertices that a face uses
+        hmin, height = float(heights.min()), float(np.ptp(heights))
+        up = max(1, round(math.sqrt(blocks * height / (2 * math.pi * radius))))
+        around = max(1, round(blocks / up))
+        return cls((BLOCK * around, BLOCK * up), hmin, height)
+
+    def image(self, posed: FloatArray, mesh: Mesh) -> VolumeImage:
+        """Return the volume image of a mesh whose vertices lie at ``posed`` in the frame."""
+        return volume_image(posed, mesh.faces, self.grid, self.hmin, self.height, orientation(mesh))
+
+
+class Host(NamedTuple):
+    """What does not depend on the key.
+
+    Attributes
+    ----------
+    frame : AffineFrame
+    layout : Layout
+    image : VolumeImage
+    mark : ShapedDct
+        Of the image.
+    posed : (p, 3) ndarray
+        The places where vertices lie, in the frame.
+    place : (n,) ndarray
+        The place of each vertex.
+    directions : (p, 3) ndarray
+        Outward normals there, in mesh coordinates; of length 1, less near the axis.
+    jacobian : (N_u · N_v, p) sparse array
+        How the volumes of the image grow with moves along the directions, in mesh units.
+    area : (p,) ndarray
+        Area of the surface around each place, in squared units of the frame.
+    share : (p,) ndarray
+        How much a squared move there counts in the mean square move of the vertices that a face uses.
+    """
+
+    frame: AffineFrame
+    layout: Layout
+    image: VolumeImage
+    mark: ShapedDct
+    posed: FloatArray
+    place: IntArray
+    directions: FloatArray
+    jacobian: csr_array
+    area: FloatArray
+    share: FloatArray
+
+    def size(self, along: FloatArray) -> float:
+        """Return the root mean square move of the vertices that a face uses: (p,) along the directions."""
+        return math.sqrt(float((self.share * along**2).sum()))
+
+    def moves(self, along: FloatArray) -> FloatArray:
+        """Return what every vertex moves by, for moves (p,) along the directions: (n, 3), in mesh units."""
+        moves: FloatArray = (along[:, None] * self.directions)[self.place]
+        return moves
+
+
+# the original is marked with one key after the other, or at one strength after the other
+@lru_cache(maxsize=1)
+def host_of(mesh: Mesh, blocks: int | None) -> Host:
+    """Pose a mesh and lay about so many blocks around it; by default as many as its vertices can carry."""
+    whole = without_flaps(mesh)  # as it will be read; the vertices are the same
+    frame = principal_frame(whole)
+    posed = frame.posed(mesh)
+    first, place = places(posed)
+    counted = place[mesh.used]
+    layout = Layout.around(posed, whole, laid(blocks, len(np.unique(counted))))
+    image = layout.image(posed, whole)
+    directions = _directions(posed, mesh)[first]
+    posed, faces = posed[first], place[whole.faces]
+    turned = kernels.to_frame(directions, np.zeros(3), frame.matrix)
+    jacobian = volume_jacobian(
+        posed, faces, turned, layout.grid, layout.hmin, layout.height, orientation(whole)
+    )
+    return Host(
+        frame=frame,
+        layout=layout,
+        image=image,
+        mark=ShapedDct.of(image.volumes, image.areas),
+        posed=posed,
+        place=place,
+        directions=directions,
+        jacobian=jacobian,
+        area=_area_around(posed, faces),
+        share=np.bincount(counted, minlength=len(first)) * (directions**2).sum(axis=1) / len(counted),
+    )
+
+
+def laid(blocks: int | None, vertices: int) -> float:
+    """Return how many blocks to lay around a mesh of so many vertices if so many are asked for."""
+    wanted = blocks or min(max(vertices / VERTICES, FEWEST_BLOCKS), MOST_BLOCKS)
+    return min(wanted, vertices / (FEWEST_VERTICES * BLOCK**2))
+
+
+def _directions(posed: FloatArray, mesh: Mesh) -> FloatArray:
+    normals = pooled(posed, vertex_normals(mesh))
+    length = np.linalg.norm(normals, axis=1)
+    distance = np.hypot(posed[:, 1], posed[:, 2])
+    fade = np.minimum(1.0, distance / (AXIS * np.median(distance[mesh.used])))
+    directions: FloatArray = normals * (fade / np.where(length > 0, length, 1.0))[:, None]
+    return directions
+
+
+def _area_around(posed: FloatArray, faces: IntArray) -> FloatArray:
+    a, b, c = (posed[faces[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6
+    around = np.bincount(faces.ravel(), np.repeat(area, 3), len(posed))
+    return np.asarray(around, dtype=float)
