@@ -5,6 +5,7 @@ of `deposit` is `wm3d.scanner.volume.volume_image_reference`; its slope is the o
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -31,10 +32,8 @@ def deposit(
     per_height, per_angle = rows / height, columns / (2.0 * math.pi)
     for f in range(len(faces)):
         a, b, c = np.uintp(faces[f, 0]), np.uintp(faces[f, 1]), np.uintp(faces[f, 2])
+        d0, d1, d2, e0, e1, e2, n0, n1, n2 = _edges(posed, a, b, c)
         across, depth = posed[a, 1], posed[a, 2]
-        d0, d1, d2 = posed[b, 0] - posed[a, 0], posed[b, 1] - across, posed[b, 2] - depth
-        e0, e1, e2 = posed[c, 0] - posed[a, 0], posed[c, 1] - across, posed[c, 2] - depth
-        n0, n1, n2 = d1 * e2 - d2 * e1, d2 * e0 - d0 * e2, d0 * e1 - d1 * e0
         doubled = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
         if doubled == 0.0:
             continue
@@ -69,26 +68,26 @@ def differentiate(
     """
     angles = _angles(posed)
     per_height, per_angle = rows / height, columns / (2.0 * math.pi)
-    seen = np.full(rows * columns, -1)  # the last face in a cell, and where its sums stand
-    place = np.zeros(rows * columns, dtype=np.int64)
-    touched = np.zeros(rows * columns, dtype=np.int64)
-    sums = np.zeros((rows * columns, 3))
+    touched = _Touched(
+        np.full(rows * columns, -1),
+        np.zeros(rows * columns, np.int64),
+        np.zeros(rows * columns, np.int32),
+        np.zeros((rows * columns, 3)),
+    )
     room = 20 * len(faces)  # enough where faces are smaller than cells
     cells, vertices, values = np.zeros(room, np.int32), np.zeros(room, np.int32), np.zeros(room)
     filled = 0
     for f in range(len(faces)):
         a, b, c = np.uintp(faces[f, 0]), np.uintp(faces[f, 1]), np.uintp(faces[f, 2])
-        across, depth = posed[a, 1], posed[a, 2]
-        d0, d1, d2 = posed[b, 0] - posed[a, 0], posed[b, 1] - across, posed[b, 2] - depth
-        e0, e1, e2 = posed[c, 0] - posed[a, 0], posed[c, 1] - across, posed[c, 2] - depth
-        n0, n1, n2 = d1 * e2 - d2 * e1, d2 * e0 - d0 * e2, d0 * e1 - d1 * e0
+        d0, d1, d2, e0, e1, e2, n0, n1, n2 = _edges(posed, a, b, c)
         if n0 == 0.0 and n1 == 0.0 and n2 == 0.0:
             continue
+        across, depth = posed[a, 1], posed[a, 2]
         parts = _parts(posed, a, b, c, per_height, per_angle, samples)
         half = 0.5 / (3 * parts * parts)
-        through_a = half * (directions[a, 0] * n0 + directions[a, 1] * n1 + directions[a, 2] * n2)
-        through_b = half * (directions[b, 0] * n0 + directions[b, 1] * n1 + directions[b, 2] * n2)
-        through_c = half * (directions[c, 0] * n0 + directions[c, 1] * n1 + directions[c, 2] * n2)
+        of_a = half * (directions[a, 0] * n0 + directions[a, 1] * n1 + directions[a, 2] * n2)
+        of_b = half * (directions[b, 0] * n0 + directions[b, 1] * n1 + directions[b, 2] * n2)
+        of_c = half * (directions[c, 0] * n0 + directions[c, 1] * n1 + directions[c, 2] * n2)
         count = 0
         for i in range(parts):
             for k in range(2 * (parts - i) - 1):
@@ -97,30 +96,68 @@ def differentiate(
                     x, y = across + s * d1 + t * e1, depth + s * d2 + t * e2
                     u = (posed[a, 0] + s * d0 + t * e0 - hmin) * per_height - 0.5
                     v = (angles[a] + _angle_from(across, depth, x, y)) * per_angle
-                    u0, v0 = math.floor(u), math.floor(v)
-                    fu, fv = cosine_weight(u - u0), cosine_weight(v - v0)
-                    for row, of_row in ((u0, fu), (u0 + 1, 1.0 - fu)):
-                        if not 0 <= row < rows:
-                            continue
-                        for column, of_column in ((v0, fv), (v0 + 1, 1.0 - fv)):
-                            cell = np.uintp(row) * np.uintp(columns) + _wrapped(column, columns)
-                            if seen[cell] != f:
-                                seen[cell], place[cell], touched[count] = f, count, cell
-                                sums[count, :] = 0.0
-                                count += 1
-                            here, weight = place[cell], of_row * of_column
-                            sums[here, 0] += weight * (1.0 - s - t) * through_a
-                            sums[here, 1] += weight * s * through_b
-                            sums[here, 2] += weight * t * through_c
+                    shares = ((1.0 - s - t) * of_a, s * of_b, t * of_c)
+                    count = _touch(touched, count, f, rows, columns, u, v, shares)
         while filled + 3 * count > len(values):
             cells = np.concatenate((cells, np.zeros_like(cells)))
             vertices = np.concatenate((vertices, np.zeros_like(vertices)))
             values = np.concatenate((values, np.zeros_like(values)))
         for here in range(count):
             for k in range(3):
-                cells[filled], vertices[filled], values[filled] = touched[here], faces[f, k], sums[here, k]
+                cells[filled], vertices[filled] = touched.cell[here], faces[f, k]
+                values[filled] = touched.sums[here, k]
                 filled += 1
     return cells[:filled], vertices[:filled], values[:filled]
+
+
+class _Touched(NamedTuple):
+    """The cells that a face touches, in their order of appearance, and what its corners do to each.
+
+    Of every cell of the grid: the last face that touched it, and where it stands in that face's order.
+    """
+
+    face: NDArray[np.int64]
+    place: NDArray[np.int64]
+    cell: NDArray[np.int32]
+    sums: FloatArray
+
+
+@njit(cache=True, error_model="numpy")
+def _touch(
+    touched: _Touched,
+    count: int,
+    f: int,
+    rows: int,
+    columns: int,
+    u: float,
+    v: float,
+    shares: tuple[float, float, float],
+) -> int:
+    """Deal the shares of a point's corners out as `_deal` does; return how many cells the face touches."""
+    u0, v0 = math.floor(u), math.floor(v)
+    fu, fv = cosine_weight(u - u0), cosine_weight(v - v0)
+    left, right = _wrapped(v0, columns), _wrapped(v0 + 1, columns)
+    for row, of_row in ((u0, fu), (u0 + 1, 1.0 - fu)):
+        if not 0 <= row < rows:
+            continue
+        for column, of_column in ((left, fv), (right, 1.0 - fv)):
+            cell = np.uintp(row) * np.uintp(columns) + column
+            if touched.face[cell] != f:
+                touched.face[cell], touched.place[cell], touched.cell[count] = f, count, cell
+                touched.sums[count, :] = 0.0
+                count += 1
+            here, weight = touched.place[cell], of_row * of_column
+            for k in range(3):
+                touched.sums[here, k] += weight * shares[k]
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def _edges(posed: FloatArray, a: np.uintp, b: np.uintp, c: np.uintp) -> tuple[float, ...]:
+    """Return b − a, c − a and their cross product, in the right hand: nine numbers."""
+    d0, d1, d2 = posed[b, 0] - posed[a, 0], posed[b, 1] - posed[a, 1], posed[b, 2] - posed[a, 2]
+    e0, e1, e2 = posed[c, 0] - posed[a, 0], posed[c, 1] - posed[a, 1], posed[c, 2] - posed[a, 2]
+    return d0, d1, d2, e0, e1, e2, d1 * e2 - d2 * e1, d2 * e0 - d0 * e2, d0 * e1 - d1 * e0
 
 
 @njit(cache=True, error_model="numpy")
