@@ -1,5 +1,6 @@
 """Starts for a fit where nothing is known of the pose: turns, shifts and sizes of a part of the model."""
 
+import itertools
 from collections.abc import Callable, Iterator
 from typing import NamedTuple, Self
 
@@ -19,8 +20,11 @@ STARTS, APART = 64, 20.0
 SIZES = (1.0, 0.85, 0.7)
 """Sizes of the surface tried, in that of the landmarks: a part of a model is smaller than the whole."""
 
-SHIFTS = np.vstack([np.zeros((1, 3)), *(step * sign * np.eye(3) for step in (0.3, 0.6) for sign in (-1, 1))])
-"""Places of its middle tried, relative to that of the landmarks, in their size."""
+_EDGES = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) if np.abs(way).sum() == 2])
+SHIFTS = np.vstack(
+    [np.zeros((1, 3)), *(step * sign * np.eye(3) for step in (0.3, 0.6) for sign in (-1, 1)), 0.3 * _EDGES]
+)
+"""Places of its middle tried, relative to that of the landmarks, in their size; also between the axes."""
 
 CANDIDATES, CLOSE = 256, 10.0
 """How many of the places tried are improved, the best first, and the least angle between two, in degrees."""
