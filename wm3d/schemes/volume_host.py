@@ -1,11 +1,12 @@
 """The original as the keys of `RangeDct` find it: its frame, its cylinder, its volume image, its moves."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.imagemarks.blocks import BLOCK
@@ -85,7 +86,7 @@ class Host(NamedTuple):
     posed: FloatArray
     place: IntArray
     directions: FloatArray
-    jacobian: csr_array
+    jacobian: csc_array
     area: FloatArray
     share: FloatArray
 
@@ -108,25 +109,26 @@ def host_of(mesh: Mesh, blocks: int | None) -> Host:
     posed = frame.posed(mesh)
     first, place = places(posed)
     counted = place[mesh.used]
-    layout = Layout.around(posed, whole, laid(blocks, len(np.unique(counted))))
-    image = layout.image(posed, whole)
+    vertices = np.bincount(counted, minlength=len(first))  # of the faces, in each place
+    layout = Layout.around(posed, whole, laid(blocks, int(np.count_nonzero(vertices))))
     directions = _directions(posed, mesh)[first]
-    posed, faces = posed[first], place[whole.faces]
+    places_posed, faces = posed[first], place[whole.faces]
     turned = kernels.to_frame(directions, np.zeros(3), frame.matrix)
-    jacobian = volume_jacobian(
-        posed, faces, turned, layout.grid, layout.hmin, layout.height, orientation(whole)
-    )
+    with ThreadPoolExecutor(1) as beside:  # neither kernel holds the GIL
+        jacobian = beside.submit(volume_jacobian, places_posed, faces, turned, *layout, orientation(whole))
+        image = layout.image(posed, whole)
+        mark = ShapedDct.of(image.volumes, image.areas)
     return Host(
         frame=frame,
         layout=layout,
         image=image,
-        mark=ShapedDct.of(image.volumes, image.areas),
-        posed=posed,
+        mark=mark,
+        posed=places_posed,
         place=place,
         directions=directions,
-        jacobian=jacobian,
-        area=_area_around(posed, faces),
-        share=np.bincount(counted, minlength=len(first)) * (directions**2).sum(axis=1) / len(counted),
+        jacobian=jacobian.result(),
+        area=_area_around(places_posed, faces),
+        share=vertices * (directions**2).sum(axis=1) / len(counted),
     )
 
 

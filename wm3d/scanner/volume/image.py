@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import csc_array, csr_array
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.scanner.volume import kernels
@@ -74,7 +74,7 @@ def volume_jacobian(
     hmin: float,
     height: float,
     outward: int,
-) -> csr_array:
+) -> csc_array:
     """Return how the volumes of `volume_image` grow when vertices move along given directions.
 
     A cell grows by ∮ φ β d·n dA with the move of a vertex, whose tent function is β and whose direction is d
@@ -96,8 +96,9 @@ def volume_jacobian(
     cells, vertices, values = kernels.differentiate(
         posed, faces, directions, rows, columns, hmin, height, JACOBIAN_SAMPLES
     )
-    shape = (rows * columns, len(posed))
-    return coo_array((-outward * values, (cells, vertices)), shape=shape).tocsr()
+    n, width = len(posed), rows * columns
+    by_vertex = csr_array(kernels.gathered(cells, vertices, -outward * values, n, width), shape=(n, width))
+    return by_vertex.T
 
 
 def volume_image_reference(

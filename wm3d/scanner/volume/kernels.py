@@ -22,7 +22,7 @@ SLIVER = 0.2
 slivers there, with little in them."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def deposit(
     posed: FloatArray, faces: IntArray, rows: int, columns: int, hmin: float, height: float, samples: float
 ) -> tuple[FloatArray, FloatArray]:
@@ -51,7 +51,7 @@ def deposit(
     return flux, area
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def differentiate(
     posed: FloatArray,
     faces: IntArray,
@@ -108,6 +108,35 @@ def differentiate(
                 values[filled] = touched.sums[here, k]
                 filled += 1
     return cells[:filled], vertices[:filled], values[:filled]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def gathered(
+    cells: NDArray[np.int32], vertices: NDArray[np.int32], values: FloatArray, n: int, width: int
+) -> tuple[FloatArray, NDArray[np.int32], IntArray]:
+    """Sort what `differentiate` returns by vertex, and add up what one does to a cell: CSR, (n, width)."""
+    ends = np.zeros(n + 1, np.int64)
+    for vertex in vertices:
+        ends[vertex + 1] += 1
+    ends = np.cumsum(ends)
+    cursor, order = ends[:-1].copy(), np.empty(len(vertices), np.int64)
+    for i in range(len(vertices)):
+        order[cursor[vertices[i]]] = i
+        cursor[vertices[i]] += 1
+
+    data, indices, starts = np.empty(len(values)), np.empty(len(values), np.int32), np.zeros(n + 1, np.int64)
+    seen, place = np.full(width, -1), np.zeros(width, np.int64)
+    filled = 0
+    for vertex in range(n):
+        for i in order[ends[vertex] : ends[vertex + 1]]:
+            cell = cells[i]
+            if seen[cell] != vertex:
+                seen[cell], place[cell] = vertex, filled
+                indices[filled], data[filled] = cell, 0.0
+                filled += 1
+            data[place[cell]] += values[i]
+        starts[vertex + 1] = filled
+    return data[:filled].copy(), indices[:filled].copy(), starts
 
 
 class _Touched(NamedTuple):
