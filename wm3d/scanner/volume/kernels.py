@@ -32,8 +32,8 @@ def deposit(
     per_height, per_angle = rows / height, columns / (2.0 * math.pi)
     for f in range(len(faces)):
         a, b, c = np.uintp(faces[f, 0]), np.uintp(faces[f, 1]), np.uintp(faces[f, 2])
-        d0, d1, d2, e0, e1, e2, n0, n1, n2 = _edges(posed, a, b, c)
-        across, depth = posed[a, 1], posed[a, 2]
+        edges = _edges(posed, a, b, c)
+        n0, n1, n2 = edges[6:]
         doubled = math.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
         if doubled == 0.0:
             continue
@@ -43,9 +43,7 @@ def deposit(
             for k in range(2 * (parts - i) - 1):
                 for q in range(3):
                     s, t = _point(parts, i, k, q)
-                    x, y = across + s * d1 + t * e1, depth + s * d2 + t * e2
-                    u = (posed[a, 0] + s * d0 + t * e0 - hmin) * per_height - 0.5
-                    v = (angles[a] + _angle_from(across, depth, x, y)) * per_angle
+                    x, y, u, v = _seen(posed, angles, a, edges, s, t, hmin, per_height, per_angle)
                     through = 0.25 * share * (x * n1 + y * n2)
                     _deal(flux, area, u, v, through, 0.5 * share * doubled)
     return flux, area
@@ -79,10 +77,10 @@ def differentiate(
     filled = 0
     for f in range(len(faces)):
         a, b, c = np.uintp(faces[f, 0]), np.uintp(faces[f, 1]), np.uintp(faces[f, 2])
-        d0, d1, d2, e0, e1, e2, n0, n1, n2 = _edges(posed, a, b, c)
+        edges = _edges(posed, a, b, c)
+        n0, n1, n2 = edges[6:]
         if n0 == 0.0 and n1 == 0.0 and n2 == 0.0:
             continue
-        across, depth = posed[a, 1], posed[a, 2]
         parts = _parts(posed, a, b, c, per_height, per_angle, samples)
         half = 0.5 / (3 * parts * parts)
         of_a = half * (directions[a, 0] * n0 + directions[a, 1] * n1 + directions[a, 2] * n2)
@@ -93,9 +91,7 @@ def differentiate(
             for k in range(2 * (parts - i) - 1):
                 for q in range(3):
                     s, t = _point(parts, i, k, q)
-                    x, y = across + s * d1 + t * e1, depth + s * d2 + t * e2
-                    u = (posed[a, 0] + s * d0 + t * e0 - hmin) * per_height - 0.5
-                    v = (angles[a] + _angle_from(across, depth, x, y)) * per_angle
+                    _, _, u, v = _seen(posed, angles, a, edges, s, t, hmin, per_height, per_angle)
                     shares = ((1.0 - s - t) * of_a, s * of_b, t * of_c)
                     count = _touch(touched, count, f, rows, columns, u, v, shares)
         while filled + 3 * count > len(values):
@@ -187,6 +183,27 @@ def _edges(posed: FloatArray, a: np.uintp, b: np.uintp, c: np.uintp) -> tuple[fl
     d0, d1, d2 = posed[b, 0] - posed[a, 0], posed[b, 1] - posed[a, 1], posed[b, 2] - posed[a, 2]
     e0, e1, e2 = posed[c, 0] - posed[a, 0], posed[c, 1] - posed[a, 1], posed[c, 2] - posed[a, 2]
     return d0, d1, d2, e0, e1, e2, d1 * e2 - d2 * e1, d2 * e0 - d0 * e2, d0 * e1 - d1 * e0
+
+
+@njit(cache=True, error_model="numpy")
+def _seen(
+    posed: FloatArray,
+    angles: FloatArray,
+    a: np.uintp,
+    edges: tuple[float, ...],
+    s: float,
+    t: float,
+    hmin: float,
+    per_height: float,
+    per_angle: float,
+) -> tuple[float, float, float, float]:
+    """Return a point of a face along s2 and s3, and the row and column of the image at which it is seen."""
+    d0, d1, d2, e0, e1, e2 = edges[:6]
+    across, depth = posed[a, 1], posed[a, 2]
+    x, y = across + s * d1 + t * e1, depth + s * d2 + t * e2
+    u = (posed[a, 0] + s * d0 + t * e0 - hmin) * per_height - 0.5
+    v = (angles[a] + _angle_from(across, depth, x, y)) * per_angle
+    return x, y, u, v
 
 
 @njit(cache=True, error_model="numpy")
