@@ -63,9 +63,8 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
         fits.append(_best([Fit(pose, share_met(surface, landmarks, pose)), *_bent(surface, landmarks, pose)]))
         if fits[-1].share >= CERTAIN:
             return fits[-1]
-    if fits and _best(fits).share >= SURE:
-        return _best(fits)
-    fits += [_best(_bent(surface, landmarks, start)) for start in _searched(surface, landmarks)]
+    if not fits or _best(fits).share < SURE:
+        fits += [_best(_bent(surface, landmarks, start)) for start in _searched(surface, landmarks)]
     return _best(fits)
 
 
