@@ -1,7 +1,7 @@
 """Starts for a fit where nothing is known of the pose: turns, shifts and sizes of a part of the model."""
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -38,8 +38,14 @@ LEAST_SIZE, MOST_SIZE = 0.5, 1.1
 PROBES, FAR = 64, 0.5
 """Points of the surface by which starts are compared, and the distance from which one counts as lost."""
 
+OFF, NEARNESS = 0.25, 0.3
+"""Distance from a landmark's tangent plane that counts in full, and what the distance from it counts beside.
+A smooth surface lies near to landmarks in wrong places too, but not in their planes."""
+
 GRID, HALF_WIDTH = 50, 2.5
-"""Cells along a side of the cube in which distances are looked up, and half its width, in sizes."""
+"""Cells along a side of the cube in which landmarks are looked up, and half its width, in sizes."""
+
+CELL = 2 * HALF_WIDTH / GRID
 
 
 class _Places(NamedTuple):
@@ -78,29 +84,62 @@ class _Places(NamedTuple):
         )
 
 
+class _Field(NamedTuple):
+    """Landmarks as they are looked up from the cells of the cube.
+
+    Attributes
+    ----------
+    points, normals : (k, 3) ndarray
+        Of the landmarks, whose middle is 0 and whose size is 1.
+    nearest : (GRID³,) ndarray
+        The landmark nearest to each cell.
+    distance : (GRID³,) ndarray
+        How far it is, `FAR` at most.
+    """
+
+    points: FloatArray
+    normals: FloatArray
+    nearest: IntArray
+    distance: FloatArray
+
+    @classmethod
+    def of(cls, points: FloatArray, normals: FloatArray) -> Self:
+        """Look up what is nearest to every cell."""
+        cells = _cells(points)
+        landmark = np.full(GRID**3, -1)
+        landmark[cells] = np.arange(len(points))
+        cube = (landmark < 0).reshape((GRID,) * 3)
+        distance, (i, j, k) = distance_transform_edt(cube, return_indices=True)
+        nearest = landmark.reshape(cube.shape)[i, j, k]
+        return cls(points, normals, nearest.ravel(), np.minimum(distance * CELL, FAR).ravel())
+
+    def misfit(self, places: _Places, probes: FloatArray) -> FloatArray:
+        """Return how far (k, 3) probes lie off the landmarks' planes in each of (n,) places, on average."""
+        laid = places.laid(probes)
+        cells = _cells(laid)
+        landmark = self.nearest[cells]
+        off = np.abs(((laid - self.points[landmark]) * self.normals[landmark]).sum(axis=-1))
+        misfit: FloatArray = (np.minimum(off, OFF) + NEARNESS * self.distance[cells]).mean(axis=1)
+        return misfit
+
+
 def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
     """Return the ways to lay a surface on landmarks under which its points come nearest to them.
 
     Points of the surface look for landmarks and not the other way round, since of a model that lost a part
     every point still has its landmark. Turns are tried all around, each at the best of some sizes and shifts;
-    the best of these places are improved in small steps, and then compared again.
+    the best of these places are improved in small steps towards the tangent planes, and compared by these.
     """
     goal = landmarks.points.mean(axis=0)
     size = float(np.sqrt(((landmarks.points - goal) ** 2).sum(axis=1).mean()))
-    distance = _distances((landmarks.points - goal) / size)
+    field = _Field.of((landmarks.points - goal) / size, landmarks.normals)
     probes = surface.points[:: POINTS // PROBES]
 
-    tried, misfit = _tried(probes, distance)
+    tried, misfit = _tried(probes, field.distance)
     best = np.argsort(misfit, kind="stable")
     best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
-    places = _Places(*(part[best] for part in tried))
-
-    def misfit_of(places: _Places) -> FloatArray:
-        misfit: FloatArray = distance[_cells(places.laid(probes))].mean(axis=1)
-        return misfit
-
-    places = _improved(places, misfit_of)
-    order = np.argsort(misfit_of(places), kind="stable")
+    places = _improved(_Places(*(part[best] for part in tried)), probes, field)
+    order = np.argsort(field.misfit(places, probes), kind="stable")
     chosen = order[apart(places.turn[order], APART, STARTS)]
     return [
         Warp.linear(size * places.size[k] * places.turn[k], goal + size * places.shift[k]) for k in chosen
@@ -121,28 +160,20 @@ def _tried(probes: FloatArray, distance: FloatArray) -> tuple[_Places, FloatArra
     return _Places(candidates, size, shift), misfit
 
 
-def _improved(places: _Places, misfit_of: Callable[[_Places], FloatArray]) -> _Places:
+def _improved(places: _Places, probes: FloatArray, field: _Field) -> _Places:
     """Take steps downhill from each place, every one in the best of the directions."""
     for step in STEPS:
-        best, least = places, misfit_of(places)
+        best, least = places, field.misfit(places, probes)
         for neighbour in places.neighbours(step):
-            misfit = misfit_of(neighbour)
+            misfit = field.misfit(neighbour, probes)
             best = best.replaced(misfit < least, neighbour)
             least = np.minimum(misfit, least)
         places = best
     return places
 
 
-def _distances(points: FloatArray) -> FloatArray:
-    """Return how far every cell of the cube is from the nearest of (n, 3) points, `FAR` at most: (GRID³,)."""
-    empty = np.ones(GRID**3, dtype=bool)
-    empty[_cells(points)] = False
-    distance = distance_transform_edt(empty.reshape((GRID,) * 3)) * (2 * HALF_WIDTH / GRID)
-    return np.minimum(distance, FAR).ravel()
-
-
 def _cells(places: FloatArray) -> IntArray:
     """Return the number of the cell in which each of (..., 3) places lies, or nearly."""
-    index = ((places + HALF_WIDTH) * (GRID / (2 * HALF_WIDTH))).astype(np.int64).clip(0, GRID - 1)
+    index = ((places + HALF_WIDTH) / CELL).astype(np.int64).clip(0, GRID - 1)
     cells: IntArray = index @ np.array([GRID * GRID, GRID, 1])
     return cells
