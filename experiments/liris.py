@@ -45,13 +45,13 @@ def page(detection: pd.DataFrame, axes: pd.DataFrame) -> str:
         lines.append(f"| {attack}{unit} |" + "".join(cells))
     simplified = axes[axes["attack"].str.startswith("simplify")].groupby("mesh", sort=False)
     turned = [
-        f"by {line['mean_deg'].mean():.0f}° on {mesh}, by over 90° in {line['flipped'].mean():.0%} of the "
-        "trials"
+        f"by over 90° in {line['flipped'].mean():.0%} of the trials on {mesh}, in the others by "
+        f"{line['mean_deg'].mean():.0f}° on average"
         for mesh, line in simplified
     ]
     lines += [
         "",
-        "Marks are lost where the pose is. Under simplification the axes of the vertices turn, on average "
+        "Marks are lost where the pose is. Under simplification the axes of the vertices turn "
         + "; ".join(turned)
         + ". Crops move the mean of the vertices and so the axes with it.",
     ]
