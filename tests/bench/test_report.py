@@ -20,6 +20,7 @@ from wm3d.bench.manifest import manifest
 from wm3d.bench.plan import plan
 from wm3d.bench.readings import readings
 from wm3d.bench.store import RunDirectory
+from wm3d.bench.summary import print_summary
 from wm3d.errors import Wm3dError
 from wm3d.schemes import SCHEMES
 
@@ -175,6 +176,11 @@ def test_names_are_text_and_never_markup(tmp_path: Path) -> None:
     assert not [name for name, _ in page.attributes if name.startswith("on")]
     assert "".join(page.words).count(hostile) >= 5
     assert "<b>made up</b>" in page.text
+
+
+def test_the_terminal_names_a_mesh_as_it_is_named(tmp_path: Path, capsys) -> None:
+    print_summary(write_report(made_up_run(tmp_path, mesh="NA").path).tables, tmp_path)
+    assert capsys.readouterr().out.startswith("NA, song2002\n attack")  # pandas reads "NA" as nothing
 
 
 def test_report_is_the_same_bytes_each_time(run: RunDirectory) -> None:

@@ -27,7 +27,7 @@ MOST_ROC_SETTINGS = 12
 """Pairs of mesh and scheme up to which a run has a figure of ROC curves; more make a tower of panels."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Report:
     """What a report left behind.
 
@@ -37,10 +37,13 @@ class Report:
         report.html.
     failed : int
         Trials whose attack failed.
+    tables : dict of str to DataFrame
+        The tables by name.
     """
 
     page: Path
     failed: int
+    tables: dict[str, pd.DataFrame]
 
 
 def write_report(run_dir: str | Path) -> Report:
@@ -87,7 +90,7 @@ def write_report(run_dir: str | Path) -> Report:
         figures={name: figures.inline_svg(svg, name) for name, svg in saved.items()},
     )
     directory.write_text("report.html", render(run))
-    return Report(directory.path / "report.html", int(rows["log10_p"].isna().sum()))
+    return Report(directory.path / "report.html", int(rows["log10_p"].isna().sum()), tables)
 
 
 def _figures(

@@ -92,9 +92,9 @@ def run_config(
         stored = [cell for cell in [*first, *cells] if cell not in lost]
         lost_trials = sum(cell.trials for cell in lost)
         directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost_trials))
-        failed = write_report(directory.path).failed
-        print_summary(directory)
-    return Outcome(directory.path, lost_trials + failed)
+        report = write_report(directory.path)
+        print_summary(report.tables, directory.path)
+    return Outcome(directory.path, lost_trials + report.failed)
 
 
 def _strengths(calibrated: list[Cell], directory: RunDirectory) -> dict[str, float]:

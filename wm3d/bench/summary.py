@@ -3,13 +3,13 @@
 import math
 import re
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 from rich.console import Console
 from rich.table import Table
 
-from wm3d.bench.store import RunDirectory
 from wm3d.stats import DEFAULT_PF
 
 PLAIN_WIDTH = 110
@@ -30,7 +30,7 @@ def quoted_pf(pf: Iterable[float]) -> float:
 
 def left_out(calibration: pd.DataFrame) -> list[str]:
     """Return why schemes have no numbers on a mesh, a sentence each, from the table of calibrations."""
-    refused = calibration[calibration["error"].fillna("") != ""]
+    refused = calibration[calibration["error"] != ""]
     return [f"{line['scheme']}: {line['error']}" for line in refused.to_dict("records")]
 
 
@@ -44,9 +44,17 @@ def verdict(line: Mapping[Any, Any], pf: float) -> str:
     return FOUND if share >= DETECTED else GONE if share < LOST else AT_TIMES
 
 
-def print_summary(directory: RunDirectory) -> None:
-    """Print Pd at the false-alarm probability nearest to 1e-6, with its interval and a verdict."""
-    table = pd.read_csv(directory.path / "tables" / "detection.csv")
+def print_summary(tables: Mapping[str, pd.DataFrame], directory: Path) -> None:
+    """Print Pd at the false-alarm probability nearest to 1e-6, with its interval and a verdict.
+
+    Parameters
+    ----------
+    tables : mapping of str to DataFrame
+        Those of the report, by name.
+    directory : Path
+        Where the rest is.
+    """
+    table = tables["detection"]
     quoted = [float(match[1]) for name in table.columns if (match := re.fullmatch(r"pd_([^_]+)", str(name)))]
     pf = quoted_pf(quoted)
     console = table_console()
@@ -67,11 +75,9 @@ def print_summary(directory: RunDirectory) -> None:
                 verdict(line, pf),
             )
         console.print(output)
-    calibration = directory.path / "tables" / "calibration.csv"
-    if calibration.exists():
-        for sentence in left_out(pd.read_csv(calibration)):
-            console.print(f"Left out: {sentence}", highlight=False, soft_wrap=True)
-    console.print(f"Tables, figures and rows: {directory.path}", highlight=False, soft_wrap=True)
+    for sentence in left_out(tables["calibration"]) if "calibration" in tables else []:
+        console.print(f"Left out: {sentence}", highlight=False, soft_wrap=True)
+    console.print(f"Tables, figures and rows: {directory}", highlight=False, soft_wrap=True)
 
 
 def table_console() -> Console:
