@@ -1,5 +1,6 @@
 """Calibration: every scheme meets the budget on every mesh, once; one that cannot is left out and said."""
 
+import errno
 import json
 from pathlib import Path
 
@@ -9,9 +10,11 @@ from shapes import blob
 
 from wm3d.attacks import Clean
 from wm3d.bench import Experiment, load_experiment, run_config, write_report
-from wm3d.bench.plan import calibrations, plan
-from wm3d.bench.store import RunDirectory
+from wm3d.bench.columns import TRY_AGAIN
+from wm3d.bench.plan import CalibrationCell, Task, calibrations, plan
 from wm3d.bench.summary import print_summary
+from wm3d.bench.trial import run_task
+from wm3d.errors import Wm3dError
 from wm3d.mesh import load_mesh
 from wm3d.metrics import Budget
 from wm3d.schemes import Song2002
@@ -85,6 +88,30 @@ def test_a_run_that_goes_on_calibrates_nothing_again(fair, monkeypatch):
     run_config(fair.parent / "fair.yaml", out=fair, workers=1)
     assert {file.name: file.stat().st_mtime_ns for file in (fair / "cells").iterdir()} == before
     write_report(fair)
+
+
+@pytest.mark.parametrize(
+    ("error", "said", "again"),
+    [
+        (
+            OSError(errno.ENOSPC, "No space left on device"),
+            "OSError: [Errno 28] No space left on device",
+            True,
+        ),
+        (Wm3dError("one: has no volume."), "one: has no volume.", None),
+    ],
+    ids=["unforeseen", "refused"],
+)
+def test_a_calibration_that_met_an_unforeseen_error_is_to_be_made_again(error, said, again, monkeypatch):
+    def failing(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(Song2002, "at_distortion", failing)
+    mesh, budget = blob(seed=1, subdivisions=2), Budget(metric="snr", value=50)
+    cell = CalibrationCell(7, "one", mesh.digest(), Song2002(), Clean(), 0, 1, budget=budget)
+    frame = run_task({"one": mesh}, Task((cell,)))[cell.digest]
+    assert frame["error"].tolist() == [said]
+    assert frame.attrs.get(TRY_AGAIN) is again
 
 
 def test_strength_and_budget_name_the_cells():

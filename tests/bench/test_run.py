@@ -1,5 +1,6 @@
 """Runs from config to figures: the same bytes however they were run; what is there is kept."""
 
+import errno
 import json
 import shutil
 from pathlib import Path
@@ -8,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from wm3d.attacks import GaussianNoise
+from wm3d.attacks import GaussianNoise, Similarity
 from wm3d.bench import load_experiment, run_config
 from wm3d.bench import run as module
 from wm3d.bench.columns import TRIALS
@@ -209,6 +210,39 @@ def test_failed_trials_are_counted_and_the_rest_stands(small_run, config, tmp_pa
     assert 0 < failed < 4
     untouched = ["clean", "similarity"]
     assert table.loc[untouched].equals(detection(small_run).loc[untouched])
+
+
+def test_what_an_unforeseen_error_spoiled_is_run_again_and_what_was_refused_is_not(
+    small_run, config, tmp_path, monkeypatch, capsys
+):
+    full, refused = tmp_path / "full", []
+    noise = GaussianNoise.__call__
+
+    def on_full_disk(attack: GaussianNoise, mesh: Mesh, rng: np.random.Generator) -> Mesh:
+        if full.exists():
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return noise(attack, mesh, rng)
+
+    def refusing(_: Similarity, mesh: Mesh, __: np.random.Generator) -> Mesh:
+        refused.append(mesh)
+        raise Wm3dError("one: cannot be turned.")
+
+    monkeypatch.setattr(GaussianNoise, "__call__", on_full_disk)
+    monkeypatch.setattr(Similarity, "__call__", refusing)
+    full.touch()
+    path, again = config("false_alarm_trials: 1000"), {"out": tmp_path / "run", "workers": 1}
+    assert run_config(path, **again).failed == 8
+    full.unlink()
+    refused.clear()
+    assert run_config(path, **again).failed == 4
+    assert "6 of 9 cells are there already." in capsys.readouterr().err  # two blocks and a curve are not
+    assert refused == []
+    healed = "gaussian-noise 0.6 rms-vector"
+    assert detection(tmp_path / "run").loc[healed].equals(detection(small_run).loc[healed])
+    curves = pd.read_csv(tmp_path / "run" / "tables" / "false_alarms.csv")
+    assert set(curves["attack"]) == {"clean", healed}
+    assert run_config(path, **again).failed == 4
+    assert "9 of 9 cells are there already." in capsys.readouterr().err
 
 
 def test_bad_input_leaves_no_directory(config, tmp_path):

@@ -9,8 +9,8 @@ from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 
 
-def calibration_row(cell: CalibrationCell, mesh: Mesh) -> dict[str, Any]:
-    """Return the row of a calibration, with the columns `wm3d.bench.columns.CALIBRATION`.
+def calibration_row(cell: CalibrationCell, mesh: Mesh) -> tuple[dict[str, Any], Exception | None]:
+    """Return the row of a calibration, with the columns `wm3d.bench.columns.CALIBRATION`, and what it met.
 
     One key serves all schemes and budgets. A scheme that cannot carry a mark in this mesh, or cannot meet the
     budget, has a row that says so.
@@ -19,7 +19,7 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> dict[str, Any]:
     if budget is None:
         raise ValueError("a calibration needs a budget")
     seed = derived_seed(cell.seed, cell.mesh_digest, 0, "calibration")
-    strength, reached, error = float("nan"), float("nan"), ""
+    strength, reached, met = float("nan"), float("nan"), None
     start = time.perf_counter()
     try:
         found = scheme.at_distortion(mesh, seed, budget, CALIBRATION_DB)
@@ -27,9 +27,9 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> dict[str, Any]:
         reached = budget.measured(mesh, found.embed(mesh, seed)[0])
     except MemoryError:
         raise  # that is about this machine, not about the scheme
-    except Exception as problem:  # whatever an engine raises fails this scheme, not the run; the row says it
-        error = str(problem) if isinstance(problem, Wm3dError) else f"{type(problem).__name__}: {problem}"
-    return {
+    except Exception as error:  # whatever an engine raises fails this scheme, not the run; the row says it
+        met = error
+    row = {
         "mesh": cell.mesh,
         "scheme": cell.label,
         "method": uncalibrated(scheme).label(),
@@ -40,5 +40,12 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> dict[str, Any]:
         "parameter": scheme.strength,
         "strength": strength,
         "seconds": time.perf_counter() - start,
-        "error": error,
+        "error": _words(met),
     }
+    return row, met
+
+
+def _words(error: Exception | None) -> str:
+    if error is None:
+        return ""
+    return str(error) if isinstance(error, Wm3dError) else f"{type(error).__name__}: {error}"

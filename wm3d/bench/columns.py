@@ -66,5 +66,9 @@ CALIBRATION = {
 """One row a mesh, scheme and budget. `scheme` names the budget too, `method` does not; `parameter` is the one
 that was set to `strength`. Where no strength meets the budget, both numbers are NaN and `error` says so."""
 
+TRY_AGAIN = "wm3d.try-again"
+"""Key of `DataFrame.attrs`, true for the rows of a cell that met an error that wm3d did not foresee, such as
+that of a full disk: the next run makes them again. What wm3d refuses it would refuse again."""
+
 COLUMNS = {"trials": TRIALS, "false-alarms": FALSE_ALARMS, "calibration": CALIBRATION}
 """By `wm3d.bench.plan.Cell.kind`."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from wm3d.bench.columns import COLUMNS
+from wm3d.bench.columns import COLUMNS, TRY_AGAIN
 from wm3d.bench.config import load_experiment
 from wm3d.bench.estimate import print_estimate
 from wm3d.bench.execute import default_workers, execute
@@ -49,6 +49,8 @@ def run_config(
     dry_run: bool = False,
 ) -> Outcome:
     """Run an experiment config; what an earlier run of the same cells left in the directory is kept.
+
+    Cells that met an error that wm3d did not foresee are run again.
 
     Parameters
     ----------
@@ -137,7 +139,8 @@ def _tell_lost(cells: Iterable[Cell]) -> None:
 
 
 def _held(cell: Cell, directory: RunDirectory) -> bool:
-    return _rows(cell, directory) is not None
+    rows = _rows(cell, directory)
+    return rows is not None and not rows.attrs.get(TRY_AGAIN)
 
 
 def _rows(cell: Cell, directory: RunDirectory) -> pd.DataFrame | None:

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from filelock import FileLock, Timeout
 
-from wm3d.bench.columns import ADDED, TRIALS
+from wm3d.bench.columns import ADDED, TRIALS, TRY_AGAIN
 from wm3d.errors import Wm3dError
 from wm3d.mesh import write_whole
 
@@ -77,9 +77,10 @@ class RunDirectory:
         return self.path / "cells" / f"{digest}.parquet"
 
     def write_cell(self, digest: str, rows: pd.DataFrame) -> None:
-        """Store the rows of a cell, with page checksums and the digest inside."""
+        """Store the rows of a cell, with page checksums and the digest inside, and whether to try again."""
+        again = {TRY_AGAIN.encode(): b"yes"} if rows.attrs.get(TRY_AGAIN) else {}
         table = pa.Table.from_pandas(rows, preserve_index=False)
-        table = table.replace_schema_metadata({CELL_KEY: digest.encode()})
+        table = table.replace_schema_metadata({CELL_KEY: digest.encode()} | again)
         buffer = io.BytesIO()
         pq.write_table(table, buffer, write_page_checksum=True)
         write_whole(self.cell_path(digest), buffer.getvalue())
@@ -104,18 +105,12 @@ class RunDirectory:
         try:
             with pq.ParquetFile(path, page_checksum_verification=True, memory_map=False) as file:
                 table = file.read()
-            if (table.schema.metadata or {}).get(CELL_KEY) != digest.encode():
+            metadata = table.schema.metadata or {}
+            if metadata.get(CELL_KEY) != digest.encode():
                 raise DamagedCellError(path, "it belongs to another cell")
-            rows: pd.DataFrame = table.to_pandas()
-            absent = columns.keys() - set(rows)
-            if not absent <= ADDED or not set(rows) <= columns.keys():
-                raise DamagedCellError(path, "its columns are others")
-            if list(rows) != list(columns):
-                rows = rows.assign(**dict.fromkeys(absent, float("nan")))[list(columns)]
-            # converting all columns takes longer than reading them
-            kinds = rows.dtypes
-            other = {name: kind for name, kind in columns.items() if kinds[name] != kind}
-            return rows.astype(other) if other else rows
+            rows = _of_columns(table.to_pandas(), path, columns)
+            rows.attrs = {TRY_AGAIN: True} if TRY_AGAIN.encode() in metadata else {}
+            return rows
         except DamagedCellError:
             raise
         except Exception as error:  # there is no telling what noise leads a decoder to
@@ -129,6 +124,18 @@ class RunDirectory:
         """Write tables/NAME.csv; floats in the shortest form that reads back to the same bits."""
         for name, table in tables.items():
             self.write_text(f"tables/{name}.csv", table.to_csv(index=False, lineterminator="\n"))
+
+
+def _of_columns(rows: pd.DataFrame, path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
+    absent = columns.keys() - set(rows)
+    if not absent <= ADDED or not set(rows) <= columns.keys():
+        raise DamagedCellError(path, "its columns are others")
+    if list(rows) != list(columns):
+        rows = rows.assign(**dict.fromkeys(absent, float("nan")))[list(columns)]
+    # converting all columns takes longer than reading them
+    kinds = rows.dtypes
+    other = {name: kind for name, kind in columns.items() if kinds[name] != kind}
+    return rows.astype(other) if other else rows
 
 
 class DamagedCellError(Wm3dError):

@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 
 from wm3d.bench.calibration import calibration_row
-from wm3d.bench.columns import COLUMNS
+from wm3d.bench.columns import COLUMNS, TRY_AGAIN
 from wm3d.bench.plan import CalibrationCell, Cell, FalseAlarmCell, Task, TrialCell
 from wm3d.bench.seeds import derived_seed
 from wm3d.bench.subjects import Subjects
+from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 from wm3d.schemes import Scheme
 from wm3d.stats import RademacherSum, hadamard_keys, log10_tail
@@ -24,6 +25,9 @@ _MEASURED = ("statistic", "z", "log10_p", "snr_db", "axis_deg", "log10_p_least")
 _ONCE = ("bit_error_rate", "embed_mb")  # of the key that was embedded, or of embedding it
 
 Row = dict[str, Any]
+
+Made = tuple[list[Row], Exception | None]
+"""Rows of one trial, and the error that it met."""
 
 
 def run_task(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
@@ -40,23 +44,32 @@ def run_task(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
     dict of str to DataFrame
         The rows of each cell, by its digest.
     """
-    rows: dict[str, list[Row]] = {cell.digest: [] for cell in task.cells}
+    made: dict[str, list[Made]] = {cell.digest: [] for cell in task.cells}
     first = task.cells[0]
     subjects = Subjects(meshes, first)
     for trial in range(first.start, first.stop):
         for cell in task.cells:
-            if isinstance(cell, TrialCell):
-                rows[cell.digest] += _trial_rows(cell, trial, subjects)
-            elif isinstance(cell, FalseAlarmCell):
-                rows[cell.digest] += _false_alarm_rows(cell, trial, subjects)
-            elif isinstance(cell, CalibrationCell):
-                rows[cell.digest].append(calibration_row(cell, meshes[cell.mesh]))
-    return {
-        cell.digest: pd.DataFrame(rows[cell.digest], columns=list(COLUMNS[cell.kind])).astype(
-            COLUMNS[cell.kind]
-        )
-        for cell in task.cells
-    }
+            made[cell.digest].append(_made(cell, trial, subjects, meshes))
+    return {cell.digest: _frame(cell, made[cell.digest]) for cell in task.cells}
+
+
+def _made(cell: Cell, trial: int, subjects: Subjects, meshes: Mapping[str, Mesh]) -> Made:
+    if isinstance(cell, TrialCell):
+        return _trial_rows(cell, trial, subjects)
+    if isinstance(cell, FalseAlarmCell):
+        return _false_alarm_rows(cell, trial, subjects)
+    if isinstance(cell, CalibrationCell):
+        row, error = calibration_row(cell, meshes[cell.mesh])
+        return [row], error
+    raise TypeError(f"no rows are made for {type(cell).__name__}")
+
+
+def _frame(cell: Cell, made: list[Made]) -> pd.DataFrame:
+    columns = COLUMNS[cell.kind]
+    frame = pd.DataFrame([row for rows, _ in made for row in rows], columns=list(columns)).astype(columns)
+    if any(error is not None and not isinstance(error, Wm3dError) for _, error in made):
+        frame.attrs[TRY_AGAIN] = True
+    return frame
 
 
 def _names(cell: Cell) -> Row:
@@ -69,7 +82,7 @@ def _names(cell: Cell) -> Row:
     }
 
 
-def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> list[Row]:
+def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
     row: Row = {
         **_names(cell),
         "hypothesis": cell.hypothesis,
@@ -92,7 +105,7 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> list[Row]:
     except MemoryError:
         raise  # that is about this machine, not about the attack
     except Exception as error:  # whatever an engine raises fails this trial, not the run; the row says it
-        return [row | {"error": f"{type(error).__name__}: {error}"}]
+        return [row | {"error": f"{type(error).__name__}: {error}"}], error
     row |= {
         "statistic": score.statistic,
         "z": score.z,
@@ -107,7 +120,7 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> list[Row]:
     }
     if cell.hypothesis == "H1" and mark.scheme.message:
         row["bit_error_rate"] = reading.evidence.bit_error_rate(signs)
-    return [row, *_wrong_key_rows(cell, row, mark.scheme, reading.evidence)]
+    return [row, *_wrong_key_rows(cell, row, mark.scheme, reading.evidence)], None
 
 
 def _wrong_key_rows(cell: TrialCell, row: Row, scheme: Scheme, evidence: RademacherSum) -> list[Row]:
@@ -132,21 +145,21 @@ def _wrong_key_rows(cell: TrialCell, row: Row, scheme: Scheme, evidence: Rademac
     ]
 
 
-def _false_alarm_rows(cell: FalseAlarmCell, trial: int, subjects: Subjects) -> list[Row]:
+def _false_alarm_rows(cell: FalseAlarmCell, trial: int, subjects: Subjects) -> Made:
     """Draw random keys on the marked, attacked mesh; no rows where it cannot be had, as H1 rows say."""
     try:
         evidence = subjects.read(cell, trial).evidence
     except MemoryError:
         raise
-    except Exception:  # the same trial fails under H1
-        return []
+    except Exception as error:  # the same trial fails under H1
+        return [], error
     if evidence.scale == 0:
-        return []
+        return [], None
     seed = derived_seed(cell.seed, cell.mesh_digest, trial, "false-alarm")
     drawn = hadamard_keys(evidence.b, THRESHOLDS, cell.keys, seed)
     band = drawn.interval()
     names = _names(cell)
-    return [
+    rows = [
         {
             **names,
             "z": z,
@@ -160,3 +173,4 @@ def _false_alarm_rows(cell: FalseAlarmCell, trial: int, subjects: Subjects) -> l
             THRESHOLDS, drawn.counts, band.low, band.high, log10_tail(evidence.b, THRESHOLDS), strict=True
         )
     ]
+    return rows, None

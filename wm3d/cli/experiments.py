@@ -42,7 +42,8 @@ def run(
     """Run an experiment, then report it.
 
     What an earlier run of the same experiment left in the directory is kept, so a run that was stopped goes
-    on where it stopped. Exit status 1: some trials failed.
+    on where it stopped, and trials that failed are tried again unless wm3d refused the mesh. Exit status 1:
+    some trials failed.
 
     Example: wm3d run configs/quickstart.yaml
 
@@ -61,7 +62,8 @@ def run(
         raise
     if outcome.failed:
         typer.echo(
-            f"wm3d: {outcome.directory}: {outcome.failed} trials failed; report.html says why, under Faults.",
+            f"wm3d: {outcome.directory}: {outcome.failed} trials failed; report.html says why, under Faults, "
+            "and the same command tries them again unless wm3d refused the mesh.",
             err=True,
         )
         raise typer.Exit(1)
