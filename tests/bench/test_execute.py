@@ -4,11 +4,15 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 
 import pytest
+from joblib import parallel_config
 from shapes import blob
 
 from wm3d.attacks import Clean, Simplify
+from wm3d.bench import execute as execute_module
 from wm3d.bench import plan as plan_module
 from wm3d.bench.execute import execute
 from wm3d.bench.plan import Task, TrialCell
@@ -41,6 +45,35 @@ def test_a_cell_that_kills_its_workers_is_lost_alone(tmp_path):
     lost = {cell.digest for each in given for cell in each.cells if cell.attack == always}
     assert found.keys() == {cell.digest for each in given for cell in each.cells} - lost
     assert all((rows["log10_p"] < -3).all() for rows in found.values())
+
+
+@pytest.mark.usefixtures("misbehaving")
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_cell_that_runs_out_of_memory_is_lost_alone(workers):
+    from throwaway import Starving
+
+    given = [task(Clean(), Starving(), Simplify()), task(Starving(), start=1), task(Clean(), start=2)]
+    found = [cell for done, _ in execute(given, MESHES, workers=workers, dask=None) for cell in done.cells]
+    expected = [cell for each in given for cell in each.cells if not isinstance(cell.attack, Starving)]
+    assert sorted(cell.digest for cell in found) == sorted(cell.digest for cell in expected)
+
+
+@pytest.mark.parametrize(("count", "started"), [(1, 2), (2, 2), (3, 3), (9, 5)])
+def test_no_more_workers_are_started_than_there_are_tasks(count, started, monkeypatch):
+    wanted = []
+
+    def noted(**options: object) -> AbstractContextManager[object]:
+        wanted.append(options["n_jobs"])
+        return parallel_config(**options)
+
+    def here(**_: object) -> Callable[..., Iterator[object]]:
+        return lambda calls: (function(*given, **named) for function, given, named in calls)
+
+    monkeypatch.setattr(execute_module, "parallel_config", noted)
+    monkeypatch.setattr(execute_module, "Parallel", here)
+    given = [task(Clean(), start=start) for start in range(count)]
+    assert len(list(execute(given, MESHES, workers=5, dask=None))) == count
+    assert wanted == [started]  # a task alone must not run here, where it may end this process
 
 
 def test_a_worker_with_other_engines_is_refused(monkeypatch):

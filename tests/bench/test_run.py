@@ -245,6 +245,24 @@ def test_what_an_unforeseen_error_spoiled_is_run_again_and_what_was_refused_is_n
     assert "9 of 9 cells are there already." in capsys.readouterr().err
 
 
+def test_a_cell_for_which_memory_ran_out_is_named_and_run_again(
+    small_run, config, tmp_path, monkeypatch, capsys
+):
+    def starving(*_: object) -> None:
+        raise MemoryError
+
+    path, again = config(), {"out": tmp_path / "run", "workers": 1}
+    with monkeypatch.context() as patched:
+        patched.setattr(GaussianNoise, "__call__", starving)
+        outcome = run_config(path, **again)
+    assert outcome.failed == 4
+    told = capsys.readouterr().err
+    assert "gaussian-noise 0.6 rms-vector: 4 trials are lost, for their worker died or ran out of" in told
+    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["lost_trials"] == 4
+    assert run_config(path, **again).failed == 0
+    assert results(tmp_path / "run") == results(small_run)
+
+
 def test_bad_input_leaves_no_directory(config, tmp_path):
     with pytest.raises(Wm3dError, match="unknown mesh 'bunnny'"):
         run_config(config(), out=tmp_path / "run", overrides=["cases.0.meshes=[bunnny]"])

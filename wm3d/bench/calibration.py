@@ -26,7 +26,7 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> tuple[dict[str, Any], 
         strength = float(getattr(found, found.strength))
         reached = budget.measured(mesh, found.embed(mesh, seed)[0])
     except MemoryError:
-        raise  # that is about this machine, not about the scheme
+        raise
     except Exception as error:  # whatever an engine raises fails this scheme, not the run; the row says it
         met = error
     row = {

@@ -3,7 +3,7 @@
 Not by joblib's Dask backend: it waits forever for a task that the scheduler gave up because its workers died.
 """
 
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 
@@ -21,11 +21,11 @@ PATIENCE = 60.0
 @contextmanager
 def on_cluster(
     meshes: Mapping[str, Mesh], address: str
-) -> Iterator[Callable[[list[Task]], Generator[tuple[Task, dict[str, pd.DataFrame]], None, list[Task]]]]:
+) -> Iterator[Callable[[list[Task]], Iterator[tuple[Task, dict[str, pd.DataFrame]]]]]:
     """Connect to a Dask scheduler and yield what runs tasks there (`wm3d.bench.execute.Run`).
 
-    The scheduler gives a task to another worker when one dies. A task that saw several of its workers die is
-    returned, with what happened to be in flight beside it.
+    The scheduler gives a task to another worker when one dies. A task that saw several of its workers die has
+    no rows, nor has what happened to be in flight beside it.
 
     Raises
     ------
@@ -42,12 +42,11 @@ def on_cluster(
     except (OSError, TimeoutError, ValueError) as error:
         raise Wm3dError(f"--dask {address}: no scheduler answers there ({error}).") from None
 
-    def run(tasks: list[Task]) -> Generator[tuple[Task, dict[str, pd.DataFrame]], None, list[Task]]:
+    def run(tasks: list[Task]) -> Iterator[tuple[Task, dict[str, pd.DataFrame]]]:
         futures = {
             client.submit(work, {name: held[name] for name in task.meshes}, task, pure=False): task
             for task in tasks
         }
-        suspects = []
         while futures:
             try:
                 for future in as_completed(list(futures), loop=client.loop, timeout=PATIENCE):
@@ -55,7 +54,7 @@ def on_cluster(
                     try:
                         rows = future.result()
                     except KilledWorker:
-                        suspects.append(task)
+                        continue
                     except (ImportError, RuntimeError) as error:
                         if isinstance(error, RuntimeError) and "deserialization" not in str(error):
                             raise
@@ -72,7 +71,6 @@ def on_cluster(
                     ) from None
             except CancelledError:
                 raise Wm3dError(f"--dask {address}: the scheduler is gone; run again.") from None
-        return suspects
 
     with client:
         try:

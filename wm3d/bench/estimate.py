@@ -111,8 +111,11 @@ def measured(cells: Iterable[Cell], meshes: Mapping[str, Mesh]) -> dict[Setting,
 
 def _timed(trial: TrialCell, meshes: Mapping[str, Mesh]) -> Cost:
     start = time.perf_counter()
-    row = work(meshes, Task((trial,)))[trial.digest].iloc[0]
+    rows = work(meshes, Task((trial,)))
     total = time.perf_counter() - start
+    if trial.digest not in rows:
+        return Cost(0.0, 0.0, total, "not enough memory")
+    row = rows[trial.digest].iloc[0]
     embed, attack = float(row["embed_seconds"]), float(row["attack_seconds"])
     failed = bool(np.isnan(row["log10_p"]))
     return Cost(embed, attack, total - embed - attack, str(row["error"]) if failed else "")

@@ -16,8 +16,9 @@ from wm3d.mesh import Mesh
 
 Result = tuple[Task, dict[str, pd.DataFrame]]
 
-Run = Callable[[list[Task]], Generator[Result, None, list[Task]]]
-"""Yields each task with its rows; returns the tasks that were being worked on when a worker died."""
+Run = Callable[[list[Task]], Iterator[Result]]
+"""Yields each task with the rows that could be made; none of those tasks that were being worked on when a
+worker died."""
 
 
 def execute(
@@ -25,9 +26,9 @@ def execute(
 ) -> Iterator[Result]:
     """Yield each task with its rows by cell digest, as they are finished.
 
-    A worker that is killed (by the system when memory runs out, say) costs no more than the tasks in flight.
-    Their cells are run again, first together, then each on its own. A cell whose worker dies even then is
-    not among the results.
+    A worker that is killed (by the system when memory runs out, say) costs no more than the tasks in flight;
+    one that is told in time that memory has run out, no more than that cell. These cells are run again, first
+    together, then each on its own. A cell that fails even then is not among the results.
 
     Parameters
     ----------
@@ -44,10 +45,21 @@ def execute(
         If the cluster cannot be used, or a worker runs other versions of the engines.
     """
     with _pool(meshes, workers, dask) as run:
-        suspects = yield from run(tasks)
-        suspects = yield from run([part for task in suspects for part in task.split()])
-        for suspect in suspects:
-            yield from run([suspect])
+        left = yield from _tried(run, tasks)
+        left = yield from _tried(run, [part for task in left for part in task.split()])
+        for task in left:
+            yield from _tried(run, [task])
+
+
+def _tried(run: Run, tasks: list[Task]) -> Generator[Result, None, list[Task]]:
+    """Yield what could be made of each task; return tasks of the cells that could not."""
+    made: set[str] = set()
+    for task, rows in run(tasks):
+        if rows:
+            yield Task(tuple(cell for cell in task.cells if cell.digest in rows)), rows
+        made |= rows.keys()
+    rests = [tuple(cell for cell in task.cells if cell.digest not in made) for task in tasks]
+    return [Task(rest) for rest in rests if rest]
 
 
 def _pool(meshes: Mapping[str, Mesh], workers: int, dask: str | None) -> AbstractContextManager[Run]:
@@ -59,17 +71,16 @@ def _pool(meshes: Mapping[str, Mesh], workers: int, dask: str | None) -> Abstrac
 
 
 def _in_this_process(meshes: Mapping[str, Mesh]) -> Run:
-    def run(tasks: list[Task]) -> Generator[Result, None, list[Task]]:
+    def run(tasks: list[Task]) -> Iterator[Result]:
         for task in tasks:
             yield task, work(_needed(task, meshes), task)
-        return []
 
     return run
 
 
 def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
-    def run(tasks: list[Task]) -> Generator[Result, None, list[Task]]:
-        left, suspects = dict(enumerate(tasks)), list[Task]()
+    def run(tasks: list[Task]) -> Iterator[Result]:
+        left = dict(enumerate(tasks))
         while left:
             started: set[int] = set()
 
@@ -80,20 +91,20 @@ def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
 
             with parallel_config(
                 backend="loky",
-                n_jobs=workers,
+                n_jobs=min(workers, max(2, len(left))),  # one would be this process
                 inner_max_num_threads=1,
                 initializer=leave_with_parent,
                 initargs=(os.getpid(),),
             ):
-                # no calls ahead: those in flight are the suspects
+                # no calls ahead: those in flight are lost with a worker
                 parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
             try:
                 with keeping_memory():
                     for index, rows in parallel(calls(left, started)):
                         yield left.pop(index), rows
             except TerminatedWorkerError:
-                suspects += [left.pop(index) for index in sorted(started & left.keys())]
-        return suspects
+                for index in started & left.keys():
+                    del left[index]
 
     return run
 

@@ -32,7 +32,7 @@ class Outcome:
     directory : Path
         The run directory.
     failed : int
-        Attacked meshes whose attack raised an error, or that were lost with a worker.
+        Attacked meshes whose attack raised an error, or whose worker died or ran out of memory.
     """
 
     directory: Path
@@ -108,7 +108,7 @@ def _strengths(calibrated: list[Cell], directory: RunDirectory) -> dict[str, flo
 def _run_missing(
     cells: list[Cell], meshes: Mapping[str, Mesh], directory: RunDirectory, workers: int, dask: str | None
 ) -> list[Cell]:
-    """Run the cells that the directory does not hold; return those that were lost with their workers."""
+    """Run the cells that the directory does not hold; return those that were lost."""
     missing = [cell for cell in cells if not _held(cell, directory)]
     todo = tasks(missing)
     if len(missing) < len(cells):
@@ -125,15 +125,15 @@ def _run_missing(
 
 
 def _tell_lost(cells: Iterable[Cell]) -> None:
-    """Say which trials have no rows because their worker died."""
+    """Say which trials have no rows because their worker died or ran out of memory."""
     lost: dict[tuple[str, str, str], int] = {}
     for cell in cells:
         names = (cell.mesh, cell.label, cell.attack.label())
         lost[names] = lost.get(names, 0) + cell.trials
     for names, trials in lost.items():
         print(
-            f"{', '.join(names)}: {trials} trials are lost, for their worker died each time; "
-            "run again to retry.",
+            f"{', '.join(names)}: {trials} trials are lost, for their worker died or ran out of memory each "
+            "time; run again to retry, with fewer --workers if memory is short.",
             file=sys.stderr,
         )
 

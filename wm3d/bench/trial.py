@@ -42,15 +42,20 @@ def run_task(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
     Returns
     -------
     dict of str to DataFrame
-        The rows of each cell, by its digest.
+        The rows of each cell, by its digest; a cell for which memory ran out is not there.
     """
     made: dict[str, list[Made]] = {cell.digest: [] for cell in task.cells}
     first = task.cells[0]
     subjects = Subjects(meshes, first)
     for trial in range(first.start, first.stop):
         for cell in task.cells:
-            made[cell.digest].append(_made(cell, trial, subjects, meshes))
-    return {cell.digest: _frame(cell, made[cell.digest]) for cell in task.cells}
+            if cell.digest not in made:
+                continue
+            try:
+                made[cell.digest].append(_made(cell, trial, subjects, meshes))
+            except MemoryError:  # that is about this machine, not about the mesh: there is nothing to store
+                del made[cell.digest]
+    return {cell.digest: _frame(cell, made[cell.digest]) for cell in task.cells if cell.digest in made}
 
 
 def _made(cell: Cell, trial: int, subjects: Subjects, meshes: Mapping[str, Mesh]) -> Made:
@@ -103,7 +108,7 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
         score = reading.evidence.score(signs)
         score_seconds = reading.read_seconds + time.perf_counter() - start
     except MemoryError:
-        raise  # that is about this machine, not about the attack
+        raise
     except Exception as error:  # whatever an engine raises fails this trial, not the run; the row says it
         return [row | {"error": f"{type(error).__name__}: {error}"}], error
     row |= {

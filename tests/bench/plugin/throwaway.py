@@ -38,6 +38,16 @@ class Sleeping(Attack):
         return mesh
 
 
+class Starving(Attack):
+    """Wants more memory than there is, as numpy says it."""
+
+    name: Literal["starving"] = "starving"
+
+    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (one signature)
+        np.empty(1 << 56)
+        return mesh
+
+
 class Killing(Attack):
     """Kills its own process, as the system does when memory runs out.
 
