@@ -2,6 +2,7 @@
 
 import errno
 import json
+import shutil
 from pathlib import Path
 
 import pandas as pd
@@ -12,6 +13,7 @@ from wm3d.attacks import Clean
 from wm3d.bench import Experiment, load_experiment, run_config, write_report
 from wm3d.bench.columns import TRY_AGAIN
 from wm3d.bench.plan import CalibrationCell, Task, calibrations, plan
+from wm3d.bench.store import FIGURES, TABLES, report_files
 from wm3d.bench.summary import print_summary
 from wm3d.bench.trial import run_task
 from wm3d.errors import Wm3dError
@@ -112,6 +114,22 @@ def test_a_calibration_that_met_an_unforeseen_error_is_to_be_made_again(error, s
     frame = run_task({"one": mesh}, Task((cell,)))[cell.digest]
     assert frame["error"].tolist() == [said]
     assert frame.attrs.get(TRY_AGAIN) is again
+
+
+def test_no_file_of_an_earlier_report_stays_beside_one_that_lacks_it(fair, tmp_path):
+    run = Path(shutil.copytree(fair, tmp_path / "run"))
+    old = {file.relative_to(run).as_posix() for file in run.glob("[tf]*/*")}
+    assert {"tables/calibration.csv", "figures/quality.svg"} <= old <= report_files(TABLES, FIGURES)
+    own = {"notes.txt", "tables/mine.csv", "figures/mine.svg"}
+    for name in own:
+        (run / name).touch()
+    manifest = json.loads((run / "manifest.json").read_text())
+    (run / "manifest.json").write_text(json.dumps(manifest | {"calibration_cells": []}))
+    tables = write_report(run).tables
+    assert "calibration" not in tables
+    left = {file.relative_to(run).as_posix() for pattern in ("[tf]*/*", "*.*") for file in run.glob(pattern)}
+    expected = own | report_files(tables, ["roc"]) | {"config.yaml", "manifest.json"}
+    assert left - {".lock"} == expected
 
 
 def test_strength_and_budget_name_the_cells():

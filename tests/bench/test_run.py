@@ -13,7 +13,7 @@ from wm3d.attacks import GaussianNoise, Similarity
 from wm3d.bench import load_experiment, run_config
 from wm3d.bench import run as module
 from wm3d.bench.columns import TRIALS
-from wm3d.bench.store import RunDirectory
+from wm3d.bench.store import FIGURES, TABLES, RunDirectory, report_files
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 
@@ -83,6 +83,8 @@ def test_a_run_leaves_tables_figures_rows_and_what_it_ran(bunny_run):
         *("detection.csv", "snr.csv", "axes.csv", "nulls.csv", "false_alarms.csv", "roc_paper.csv"),
         *("roc.png", "roc.svg"),
     }
+    written = {file.relative_to(bunny_run).as_posix() for file in bunny_run.glob("[tf]*/*")}
+    assert written <= report_files(TABLES, FIGURES)
     assert (bunny_run / "report.html").stat().st_size > 10_000
     again = load_experiment(bunny_run / "config.yaml")
     assert again.trials == 4

@@ -126,13 +126,24 @@ def test_a_path_that_cannot_be_a_directory_is_told(tmp_path):
         RunDirectory(tmp_path / "file").create()
 
 
-def test_another_config_drops_the_manifest(directory):
+def test_another_config_drops_the_manifest_and_the_report(directory):
+    made = [
+        "manifest.json",
+        "report.html",
+        "leaderboard.json",
+        "tables/calibration.csv",
+        "figures/quality.svg",
+    ]
+    own = ["tables/mine.csv", "figures/mine.png", "notes.txt"]
     directory.begin("trials: 1\n")
-    directory.write_text("manifest.json", "{}")
+    for name in made + own:
+        directory.write_text(name, "")
     directory.begin("trials: 1\n")
-    assert (directory.path / "manifest.json").exists()
+    assert all((directory.path / name).exists() for name in made)
     directory.begin("trials: 2\n")
-    assert not (directory.path / "manifest.json").exists()
+    assert not any((directory.path / name).exists() for name in made)
+    assert all((directory.path / name).exists() for name in own)
+    assert directory.read_cell(A) is not None
     assert (directory.path / "config.yaml").read_text() == "trials: 2\n"
 
 

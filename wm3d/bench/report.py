@@ -18,7 +18,7 @@ from wm3d.bench.html import Run, render
 from wm3d.bench.leaderboard import leaderboard
 from wm3d.bench.quality import quality_figure
 from wm3d.bench.ranking import over_meshes, ranking
-from wm3d.bench.store import RunDirectory
+from wm3d.bench.store import RunDirectory, report_files
 from wm3d.bench.summary import quoted_pf
 from wm3d.bench.tables import Sigmas, all_tables
 from wm3d.errors import Wm3dError
@@ -47,7 +47,7 @@ class Report:
 
 
 def write_report(run_dir: str | Path) -> Report:
-    """Write tables, figures and report.html from the cells that the manifest lists.
+    """Write tables, figures and report.html from the cells that the manifest lists; an earlier report goes.
 
     Parameters
     ----------
@@ -90,6 +90,7 @@ def write_report(run_dir: str | Path) -> Report:
         figures={name: figures.inline_svg(svg, name) for name, svg in saved.items()},
     )
     directory.write_text("report.html", render(run))
+    directory.drop_report(keep=report_files(tables, drawn))
     return Report(directory.path / "report.html", int(rows["log10_p"].isna().sum()), tables)
 
 

@@ -1,7 +1,7 @@
 """A run directory: the config as run, one parquet file a cell, tables, figures, manifest."""
 
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -15,6 +15,11 @@ from wm3d.errors import Wm3dError
 from wm3d.mesh import write_whole
 
 CELL_KEY = b"wm3d.cell"
+
+TABLES = ("leaderboard", "calibration", "detection", "snr", "axes", "nulls", "timing")
+TABLES += ("false_alarms", "roc_paper")
+FIGURES = ("roc", "heatmap", "quality", "false_alarms")
+"""All tables and figures that a report may have; few have each."""
 
 
 class RunDirectory:
@@ -66,11 +71,18 @@ class RunDirectory:
             lock.release()
 
     def begin(self, config: str) -> None:
-        """Store the config as run; a manifest that speaks of another config goes."""
+        """Store the config as run; a manifest and a report that speak of another config go."""
         path = self.path / "config.yaml"
         if path.exists() and path.read_text(encoding="utf-8") != config:
             (self.path / "manifest.json").unlink(missing_ok=True)
+            self.drop_report()
         self.write_text(path.name, config)
+
+    def drop_report(self, keep: Collection[str] = ()) -> None:
+        """Remove the files of a report, but those of these names; a user's own files stay."""
+        for name in report_files(TABLES, FIGURES):
+            if name not in keep:
+                (self.path / name).unlink(missing_ok=True)
 
     def cell_path(self, digest: str) -> Path:
         """Return where the rows of a cell are kept."""
@@ -124,6 +136,16 @@ class RunDirectory:
         """Write tables/NAME.csv; floats in the shortest form that reads back to the same bits."""
         for name, table in tables.items():
             self.write_text(f"tables/{name}.csv", table.to_csv(index=False, lineterminator="\n"))
+
+
+def report_files(tables: Collection[str], figures: Iterable[str]) -> set[str]:
+    """Return the names of the files of a report with these tables and figures."""
+    return {
+        "report.html",
+        *(["leaderboard.json"] if "leaderboard" in tables else []),
+        *(f"tables/{name}.csv" for name in tables),
+        *(f"figures/{name}.{ending}" for name in figures for ending in ("png", "svg")),
+    }
 
 
 def _of_columns(rows: pd.DataFrame, path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
