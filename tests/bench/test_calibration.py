@@ -17,7 +17,7 @@ from wm3d.bench.store import FIGURES, TABLES, report_files
 from wm3d.bench.summary import print_summary
 from wm3d.bench.trial import run_task
 from wm3d.errors import Wm3dError
-from wm3d.mesh import load_mesh
+from wm3d.mesh import Mesh, load_mesh, save_mesh
 from wm3d.metrics import Budget
 from wm3d.schemes import Song2002
 from wm3d.schemes.cho2007 import Cho2007Variance
@@ -130,6 +130,21 @@ def test_no_file_of_an_earlier_report_stays_beside_one_that_lacks_it(fair, tmp_p
     left = {file.relative_to(run).as_posix() for pattern in ("[tf]*/*", "*.*") for file in run.glob(pattern)}
     expected = own | report_files(tables, ["roc"]) | {"config.yaml", "manifest.json"}
     assert left - {".lock"} == expected
+
+
+def test_a_run_of_which_no_scheme_can_be_calibrated_gives_the_reasons(tmp_path, monkeypatch):
+    def failing(scheme: Song2002, mesh: Mesh, *_: object) -> Song2002:
+        raise Wm3dError(f"{mesh.name}: no mark of {scheme.name} can be set to an SNR of 45 dB.")
+
+    monkeypatch.setattr(Song2002, "at_distortion", failing)
+    save_mesh(blob(subdivisions=2), tmp_path / "one.ply")
+    (tmp_path / "fair.yaml").write_text(CONFIG.format(mesh=tmp_path / "one.ply"))
+    overrides = ["cases.0.schemes=[{name: song2002}]", "calibrate={metric: snr, value: 45}"]
+    with pytest.raises(Wm3dError) as raised:
+        run_config(tmp_path / "fair.yaml", out=tmp_path / "run", workers=1, overrides=overrides)
+    said = str(raised.value)
+    assert said.startswith(f"{tmp_path / 'run'}: holds no trials, for no scheme could be calibrated;")
+    assert said.endswith("\n  song2002 at SNR 45 dB: one: no mark of song2002 can be set to an SNR of 45 dB.")
 
 
 def test_strength_and_budget_name_the_cells():

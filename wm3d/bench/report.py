@@ -19,7 +19,7 @@ from wm3d.bench.leaderboard import leaderboard
 from wm3d.bench.quality import quality_figure
 from wm3d.bench.ranking import over_meshes, ranking
 from wm3d.bench.store import RunDirectory, report_files
-from wm3d.bench.summary import quoted_pf
+from wm3d.bench.summary import left_out, quoted_pf
 from wm3d.bench.tables import Sigmas, all_tables
 from wm3d.errors import Wm3dError
 
@@ -60,15 +60,14 @@ def write_report(run_dir: str | Path) -> Report:
     Raises
     ------
     Wm3dError
-        If this is not a run directory, or a cell is missing or damaged.
+        If this is not a run directory, a cell is missing or damaged, or no scheme could be calibrated.
     """
     directory = RunDirectory(run_dir)
     manifest = read_manifest(directory)
     experiment = load_experiment(directory.path / "config.yaml")
+    calibration = _read_calibration(directory, manifest)
     rows = read_rows(directory, manifest["cells"])
     false_alarms = read_rows(directory, manifest["false_alarm_cells"], FALSE_ALARMS)
-    # runs of earlier versions have no calibration
-    calibration = read_rows(directory, manifest.get("calibration_cells", []), CALIBRATION)
     directory.create()  # a copy of a run may lack its empty folders
     sigmas: Sigmas = manifest.get("sigma_percent", {})  # runs of earlier versions have none
     tables = all_tables(rows, experiment.pf, false_alarms, sigmas)
@@ -92,6 +91,17 @@ def write_report(run_dir: str | Path) -> Report:
     directory.write_text("report.html", render(run))
     directory.drop_report(keep=report_files(tables, drawn))
     return Report(directory.path / "report.html", int(rows["log10_p"].isna().sum()), tables)
+
+
+def _read_calibration(directory: RunDirectory, manifest: Mapping[str, Any]) -> pd.DataFrame:
+    # runs of earlier versions have no calibration
+    calibration = read_rows(directory, manifest.get("calibration_cells", []), CALIBRATION)
+    if not manifest["cells"] and (reasons := left_out(calibration)):
+        raise Wm3dError(
+            f"{directory.path}: holds no trials, for no scheme could be calibrated; change the config's "
+            "budgets or schemes:\n  " + "\n  ".join(reasons)
+        )
+    return calibration
 
 
 def _figures(
@@ -156,6 +166,6 @@ def read_rows(directory: RunDirectory, cells: list[str], columns: Mapping[str, s
             raise Wm3dError(f"{directory.cell_path(digest)}: is missing; run the config again to restore it.")
         parts.append(rows)
     if columns is TRIALS and not parts:
-        raise Wm3dError(f"{directory.path}: holds no finished cells.")
+        raise Wm3dError(f"{directory.path}: holds no finished cells; run the config again.")
     none = pd.DataFrame(columns=list(columns)).astype(dict(columns))
     return pd.concat([part for part in parts if len(part)] or [none], ignore_index=True)
