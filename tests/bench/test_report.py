@@ -2,7 +2,10 @@
 
 import base64
 import json
+import os
 import re
+import subprocess
+import sys
 from datetime import UTC, datetime
 from html.parser import HTMLParser
 from pathlib import Path
@@ -220,6 +223,14 @@ def test_every_reading_of_the_built_in_components_is_explained() -> None:
     assert [name for name, reading in found.items() if len(reading.meaning) < 20] == []
     assert found["amplitude"].choices == ("rms-vector", "per-axis")
     assert found["amplitude"].used == ("rms-vector",)
+
+
+def test_a_run_is_read_in_its_encoding_and_not_in_that_of_the_terminal(tmp_path: Path) -> None:
+    directory = made_up_run(tmp_path, mesh="Größe")
+    plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    program = f"from wm3d.bench import write_report; write_report({str(directory.path)!r})"
+    subprocess.run([sys.executable, "-c", program], env=os.environ | plain, check=True)
+    assert "Größe" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_directory_that_is_no_run_is_refused_in_a_sentence(tmp_path: Path) -> None:

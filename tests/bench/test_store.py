@@ -147,6 +147,14 @@ def test_another_config_drops_the_manifest_and_the_report(directory):
     assert (directory.path / "config.yaml").read_text() == "trials: 2\n"
 
 
+def test_a_damaged_config_is_another_config(directory):
+    (directory.path / "config.yaml").write_bytes("title: Größe\n".encode("latin-1"))
+    directory.write_text("manifest.json", "{}")
+    directory.begin("title: Größe\n")
+    assert not (directory.path / "manifest.json").exists()
+    assert (directory.path / "config.yaml").read_text(encoding="utf-8") == "title: Größe\n"
+
+
 def test_tables_keep_every_bit_of_their_numbers(directory):
     numbers = [0.1 + 0.2, 1e-320, np.pi, -0.0, 1e300 / 3]
     directory.write_tables({"t": pd.DataFrame({"x": numbers})})

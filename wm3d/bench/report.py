@@ -82,7 +82,7 @@ def write_report(run_dir: str | Path) -> Report:
     saved = {name: figures.save(figure, directory, name) for name, figure in drawn.items()}
     run = Run(
         experiment=experiment,
-        config=(directory.path / "config.yaml").read_text(),
+        config=(directory.path / "config.yaml").read_text(encoding="utf-8"),
         manifest=manifest,
         rows=rows,
         tables=tables,
@@ -140,7 +140,7 @@ def read_manifest(directory: RunDirectory) -> dict[str, Any]:
         If there is none, or it is not one.
     """
     try:
-        manifest: dict[str, Any] = json.loads((directory.path / "manifest.json").read_text())
+        manifest: dict[str, Any] = json.loads((directory.path / "manifest.json").read_bytes())
         missing = {"meshes", "cells", "false_alarm_cells"} - manifest.keys()
     except (OSError, ValueError, AttributeError):
         raise Wm3dError(f"{directory.path}: is not the directory of a finished run (no manifest).") from None

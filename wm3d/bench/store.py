@@ -73,7 +73,7 @@ class RunDirectory:
     def begin(self, config: str) -> None:
         """Store the config as run; a manifest and a report that speak of another config go."""
         path = self.path / "config.yaml"
-        if path.exists() and path.read_text(encoding="utf-8") != config:
+        if path.exists() and path.read_bytes() != config.encode():  # as bytes, for it may be damaged
             (self.path / "manifest.json").unlink(missing_ok=True)
             self.drop_report()
         self.write_text(path.name, config)
