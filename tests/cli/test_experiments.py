@@ -49,8 +49,8 @@ def test_run_hands_its_options_on_and_tells_failures(
     ]
     assert outcome.status == status
     assert outcome.stderr == (
-        "wm3d: runs/tiny: 3 trials failed; report.html says why, under Faults, and the same command tries "
-        "them again unless wm3d refused the mesh.\n"
+        "wm3d: runs/tiny: 3 trials failed; report.html, under Faults, or a line above says why, and the same "
+        "command tries them again unless wm3d refused the mesh.\n"
         if failed
         else ""
     )

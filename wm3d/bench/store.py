@@ -16,8 +16,11 @@ from wm3d.mesh import write_whole
 
 CELL_KEY = b"wm3d.cell"
 
-TABLES = ("leaderboard", "calibration", "detection", "snr", "axes", "nulls", "timing")
-TABLES += ("false_alarms", "roc_paper")
+TABLES = (
+    *("leaderboard", "calibration"),
+    *("detection", "snr", "axes", "nulls", "timing"),
+    *("false_alarms", "roc_paper"),
+)
 FIGURES = ("roc", "heatmap", "quality", "false_alarms")
 """All tables and figures that a report may have; few have each."""
 

@@ -62,8 +62,8 @@ def run(
         raise
     if outcome.failed:
         typer.echo(
-            f"wm3d: {outcome.directory}: {outcome.failed} trials failed; report.html says why, under Faults, "
-            "and the same command tries them again unless wm3d refused the mesh.",
+            f"wm3d: {outcome.directory}: {outcome.failed} trials failed; report.html, under Faults, or a "
+            "line above says why, and the same command tries them again unless wm3d refused the mesh.",
             err=True,
         )
         raise typer.Exit(1)
