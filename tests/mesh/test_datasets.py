@@ -46,6 +46,14 @@ def test_any_mesh_file_of_the_data_folder_answers_to_its_stem(data):
     assert sorted(datasets.dataset_names()) == sorted([*DATASETS, "Part-7"])
 
 
+def test_a_name_or_path_is_located_where_it_is_read(data, tmp_path):
+    save_mesh(tetrahedron(), data / "part.off")
+    assert datasets.locate("part") == data / "part.off"
+    assert datasets.locate(tmp_path / "not-yet.ply") == tmp_path / "not-yet.ply"
+    with pytest.raises(Wm3dError, match="unknown mesh 'prat'"):
+        datasets.locate("prat")
+
+
 def test_data_folder_wins_over_the_registry_and_ply_over_other_endings(data):
     save_mesh(box(), data / "bunny.obj")
     assert datasets.path("bunny") == datasets.fetch("bunny") == data / "bunny.obj"

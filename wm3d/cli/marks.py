@@ -2,14 +2,23 @@
 
 import json
 import math
-import os
 import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wm3d.cli.options import Late, Parameters, SourceMesh, assignments, grid_size, read_mesh, region_corners
+from wm3d.cli.options import (
+    Late,
+    Parameters,
+    SourceMesh,
+    assignments,
+    grid_size,
+    keep_original,
+    read_mesh,
+    region_corners,
+    same_file,
+)
 from wm3d.errors import Wm3dError
 
 if TYPE_CHECKING:
@@ -180,8 +189,8 @@ def _evidence(score: "Score") -> str:
 
 def _keep_apart(key: Path, source: str, target: Path) -> None:
     """Refuse a key that would overwrite a mesh, and a marked mesh that would overwrite its original."""
-    for mesh in (source, target):
-        if os.path.realpath(key) == os.path.realpath(mesh):
-            raise Wm3dError(f"{key}: is the key and a mesh as well; give the key a name of its own.")
-    if os.path.realpath(source) == os.path.realpath(target):
-        raise Wm3dError(f"{target}: is the original; give the marked mesh a name of its own.")
+    from wm3d.mesh import datasets
+
+    if same_file(key, target) or same_file(key, datasets.locate(source)):
+        raise Wm3dError(f"{key}: is the key and a mesh as well; give the key a name of its own.")
+    keep_original(source, target, "marked mesh")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wm3d.cli.options import Late, Parameters, SourceMesh, assignments, grid_size, read_mesh
+from wm3d.cli.options import Late, Parameters, SourceMesh, assignments, grid_size, keep_original, read_mesh
 from wm3d.errors import Wm3dError
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ def attack(
     from wm3d.mesh import check_target, save_mesh
 
     chosen = ATTACKS.build(name, assignments(pairs or ()))
+    keep_original(source, target, "attacked mesh")
     check_target(target)
     mesh = read_mesh(source)
     attacked = chosen(mesh, np.random.default_rng(seed))
@@ -102,6 +103,7 @@ def scan(
     if pose not in POSES:
         raise Wm3dError(f"--pose {pose}: there is no such pose; known: {', '.join(POSES)}.")
     size = grid_size(grid)
+    keep_original(source, target, "range image")
     check_target(target)
     mesh = read_mesh(source)
     image = scan_mesh(mesh, size, POSES[pose]()(mesh))

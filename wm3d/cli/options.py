@@ -1,8 +1,10 @@
 """What the commands share: common arguments, defaults shown late, and the parsing of their values."""
 
+import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -41,6 +43,27 @@ def read_mesh(argument: str) -> "Mesh":
     from wm3d.mesh import datasets
 
     return replace(datasets.resolve(argument), name=argument)
+
+
+def same_file(one: str | os.PathLike[str], other: str | os.PathLike[str]) -> bool:
+    """Tell whether two paths lead to one file, there already or yet to be written."""
+    if Path(one).exists() and Path(other).exists():
+        return Path(one).samefile(other)
+    return os.path.realpath(one) == os.path.realpath(other)
+
+
+def keep_original(source: str, target: str | os.PathLike[str], what: str) -> None:
+    """Refuse to write to the file that a command reads, given by its path or as a dataset.
+
+    Raises
+    ------
+    Wm3dError
+        If `target` is that file; `what` says what was to be written.
+    """
+    from wm3d.mesh import datasets
+
+    if same_file(datasets.locate(source), target):
+        raise Wm3dError(f"{target}: is the original; give the {what} a name of its own.")
 
 
 def grid_size(text: str) -> tuple[int, int]:

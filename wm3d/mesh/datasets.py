@@ -27,6 +27,7 @@ __all__ = [
     "fetch",
     "info",
     "load",
+    "locate",
     "path",
     "resolve",
 ]
@@ -91,12 +92,13 @@ def resolve(name_or_path: str | os.PathLike[str]) -> Mesh:
         If it is neither, with the nearest dataset name; and as in `load` and `load_mesh`.
     """
     text = os.fspath(name_or_path)
-    file = Path(text)
-    if text not in dataset_names() and (
-        file.suffix.lower() in ENDINGS or len(file.parts) > 1 or file.exists()
-    ):
-        return load_mesh(text)
-    return load(text)
+    return load_mesh(text) if _means_a_file(text) else load(text)
+
+
+def locate(name_or_path: str | os.PathLike[str]) -> Path:
+    """Return the file that `resolve` reads; one that a path means need not exist. Errors as in `path`."""
+    text = os.fspath(name_or_path)
+    return Path(text) if _means_a_file(text) else path(text)
 
 
 def credit(name: str) -> str | None:
@@ -133,6 +135,12 @@ def cache_folder() -> Path:
     import pooch
 
     return Path(pooch.os_cache("wm3d"))
+
+
+def _means_a_file(text: str) -> bool:
+    file = Path(text)
+    looks_like_one = file.suffix.lower() in ENDINGS or len(file.parts) > 1 or file.exists()
+    return looks_like_one and text not in dataset_names()
 
 
 def _file(name: str, download: bool) -> Path:
