@@ -50,6 +50,13 @@ def test_weld_that_leaves_nothing_is_refused():
         Weld(percent=0.1)(flat, RNG)
 
 
+def test_draco_refuses_a_mesh_that_its_encoder_does():
+    pytest.importorskip("DracoPy")
+    speck = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 1, 1]], name="speck")
+    with pytest.raises(Wm3dError, match=r"^speck: draco 14 cannot encode it; see that a face has an area"):
+        Draco()(speck, RNG)
+
+
 def test_draco_keeps_the_surface():
     pytest.importorskip("DracoPy")
     sphere = icosphere(4)

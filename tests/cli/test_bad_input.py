@@ -10,8 +10,6 @@ from typing import Any
 
 import pytest
 
-from wm3d.cli import main
-
 Run = Callable[..., Any]
 
 EMBED = "embed {files}/good.ply {out}/marked.ply --key {out}/key.json"
@@ -160,6 +158,7 @@ def _unwritable() -> list[tuple[str, str, str]]:
         ("embed {files}/good.ply {out}/marked.ply --key {out}/marked.ply", "marked.ply", "name of its own"),
         ("embed {files}/good.ply {out}/marked.ply --key {files}/good.ply", "good.ply", "name of its own"),
         ("embed {files}/good.ply {files}/good.ply --key {out}/key.json", "good.ply", "is the original"),
+        ("attack {files}/good.ply {files}/good.ply clean", "good.ply", "is the original"),
         ("embed {files}/good.ply {out}/marked.ply --key /dev/null", "/dev/null", "is a device"),
     ]
 
@@ -177,6 +176,30 @@ def test_one_sentence_and_no_file(
     _check_sentence(outcome.stderr, named.format(files=files, out=out), words)
     assert list(out.iterdir()) == []
     assert _contents(files) == before
+
+
+@pytest.mark.parametrize(
+    ("line", "named", "words"),
+    [
+        ("embed good {files}/good.ply --key {out}/key.json", "good.ply", "is the original"),
+        ("embed good {out}/marked.ply --key {files}/good.ply", "good.ply", "name of its own"),
+        ("attack good {files}/good.ply clean", "good.ply", "is the original"),
+        ("embed {files}/good.ply {out}/link.ply --key {out}/key.json", "link.ply", "is the original"),
+        ("embed {files}/good.ply {out}/marked.ply --key {out}/link.ply", "link.ply", "name of its own"),
+        ("scan {files}/good.ply {out}/link.png", "link.png", "is the original"),
+    ],
+)
+def test_the_original_is_known_by_its_dataset_name_and_through_links(
+    line: str, named: str, words: str, wm3d: Run, files: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("WM3D_DATA", str(files))
+    (out / "link.ply").hardlink_to(files / "good.ply")
+    (out / "link.png").symlink_to(files / "good.ply")
+    before = _contents(files), _contents(out)
+    outcome = wm3d(*(word.format(files=files, out=out) for word in line.split()))
+    assert outcome.status == 2
+    _check_sentence(outcome.stderr, named, words)
+    assert (_contents(files), _contents(out)) == before
 
 
 def test_a_key_that_cannot_be_put_in_place_leaves_both_files_as_they_were(
@@ -238,13 +261,19 @@ def test_as_a_process(line: str, named: str, words: str, files: Path, out: Path)
     assert list(out.iterdir()) == []
 
 
-def test_a_bug_is_not_dressed_up_as_bad_input(monkeypatch: pytest.MonkeyPatch, files: Path) -> None:
+def test_a_bug_is_dressed_up_neither_as_bad_input_nor_as_no_mark(
+    wm3d: Run, monkeypatch: pytest.MonkeyPatch, files: Path
+) -> None:
     def broken(*_: object) -> None:
         raise ZeroDivisionError
 
     monkeypatch.setattr("wm3d.schemes.Key.score", broken)
-    with pytest.raises(ZeroDivisionError):
-        main(["detect", str(files / "good.ply"), "--key", str(files / "good.json")])
+    outcome = wm3d("detect", files / "good.ply", "--key", files / "good.json")
+    assert outcome.status == 70
+    assert outcome.stdout == ""
+    assert outcome.stderr.startswith("Traceback")
+    assert outcome.stderr.endswith("ZeroDivisionError\n")
+    assert "; 70 an error in wm3d " in " ".join(wm3d("--help").stdout.split())
 
 
 def _check_sentence(stderr: str, named: str, words: str) -> None:

@@ -73,7 +73,7 @@ GOOD = {
     "offset": (0, 0, 0),
     "area": 8.0,
     "landmarks": "",
-    "home": (0,) * 12,
+    "home": (1,) * 12,
     "strength": 0.01,
 }
 
@@ -88,6 +88,15 @@ GOOD = {
         ({"reference": GOOD | {"height": 0}}, "height = 0: input should be greater than 0"),
         ({"reference": GOOD | {"hmin": np.nan}}, "hmin = nan: input should be a finite number"),
         ({"reference": GOOD | {"moments": (0.1,) * 30}}, "moments"),
+        (
+            {"reference": GOOD | {"offset": (1e300, 0, 0)}},
+            "offset.0 = 1e+300: input should be less than or equal to",
+        ),
+        (
+            {"reference": GOOD | {"home": (*[0] * 11, -1e300)}},
+            "home.11 = -1e+300: input should be greater than or equal to",
+        ),
+        ({"reference": GOOD | {"home": (1e-300,) * 12}}, "must not shrink a mesh by more than 1e+60"),
         ({"reference": GOOD | {"landmarks": "AAAA"}}, "rows of six numbers, and 3 bytes are not"),
         ({"reference": GOOD | {"landmarks": "é"}}, "landmarks must be base64"),
         ({"reference": GOOD | {"pose": "pca"}}, "pose"),

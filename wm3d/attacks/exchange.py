@@ -102,12 +102,18 @@ class Draco(Attack):
                 f"{mesh.name}: {self.label()} needs DracoPy; pip install wm3d[draco], or use quantize with "
                 "grid = cubic, which moves the vertices alike."
             ) from error
-        content = DracoPy.encode(
-            mesh.vertices.astype(np.float32),
-            mesh.faces.astype(np.uint32),
-            quantization_bits=self.bits,
-            compression_level=self.level,
-        )
+        try:
+            content = DracoPy.encode(
+                mesh.vertices.astype(np.float32),
+                mesh.faces.astype(np.uint32),
+                quantization_bits=self.bits,
+                compression_level=self.level,
+            )
+        except DracoPy.EncodingFailedException as error:
+            raise Wm3dError(
+                f"{mesh.name}: {self.label()} cannot encode it; see that a face has an area, and coordinates "
+                "a size, that float32 can hold."
+            ) from error
         back = DracoPy.decode(content)
         if len(back.faces) == 0:
             raise Wm3dError(f"{mesh.name}: {self.label()} leaves no face; use more bits.")

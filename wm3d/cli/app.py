@@ -3,6 +3,7 @@
 import contextlib
 import io
 import sys
+import traceback
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -19,13 +20,16 @@ from wm3d.errors import Wm3dError
 BAD_INPUT = 2
 """Exit status for bad input and for wrong usage; a command's own statuses are 0 and 1."""
 
+CRASH = 70
+"""Exit status for an error of wm3d itself (EX_SOFTWARE of sysexits.h): never 1, which is an answer."""
+
 app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit status: 0 done; 1 `detect` found no mark, or trials of `run` or checks of `check-plugin` "
-    "failed; 2 bad input.",
+    "failed; 2 bad input; 70 an error in wm3d or a plug-in, with its traceback.",
 )
 for command in (run, report, embed, detect, attack, scan, compare, check_plugin):
     app.command()(command)
@@ -66,7 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status. Bad input gives 2 and one sentence on stderr.
+        Exit status. Bad input gives 2 and one sentence on stderr, an unexpected error 70 and its traceback.
     """
     if isinstance(
         sys.stdout, io.TextIOWrapper
@@ -82,6 +86,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail("not enough memory; use a smaller grid, mesh or number of workers.")
     except OSError as error:
         return _fail(f"{error.filename or 'a file'}: cannot be used ({error.strerror or error}).")
+    except (
+        Exception
+    ):  # whatever it is, the interpreter would exit with 1, and `detect` means "no mark" by that
+        traceback.print_exc()
+        return CRASH
     return status if isinstance(status, int) else 0
 
 

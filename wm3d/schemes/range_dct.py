@@ -20,13 +20,23 @@ from wm3d.schemes.informed import informed_moves
 from wm3d.schemes.volume_host import Host, Layout, host_of
 from wm3d.stats import RademacherSum, key_signs
 
+FARTHEST = 1e60
+"""Bound of the entries of a stored pose, and 1 over it of its matrix: squares of the places that it leads to
+and comes from are finite, whatever the unit of the mesh."""
+
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
-Vector = tuple[float, float, float]
+Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
 
 
 def _checked_landmarks(text: str) -> str:
     Landmarks.decode(text)
     return text
+
+
+def _checked_home(home: tuple[float, ...]) -> tuple[float, ...]:
+    if max(map(abs, home[:9])) < 1 / FARTHEST:
+        raise ValueError(f"a pose must not shrink a mesh by more than {FARTHEST:g}")
+    return home
 
 
 class Reference(BaseModel):
@@ -58,10 +68,10 @@ class Reference(BaseModel):
     hmin: float
     height: Annotated[float, Field(gt=0)]
     moments: Annotated[tuple[float, ...], Field(min_length=ENTRIES, max_length=ENTRIES)]
-    offset: Vector
+    offset: tuple[Entry, Entry, Entry]
     area: Annotated[float, Field(gt=0)]
     landmarks: Annotated[str, AfterValidator(_checked_landmarks)]
-    home: Annotated[tuple[float, ...], Field(min_length=12, max_length=12)]
+    home: Annotated[tuple[Entry, ...], Field(min_length=12, max_length=12), AfterValidator(_checked_home)]
     strength: Annotated[float, Field(gt=0)]
 
     def poses(self, frame: AffineFrame, surface: Surface) -> tuple[Warp, Warp]:
