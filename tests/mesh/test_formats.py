@@ -7,6 +7,7 @@ import pytest
 import trimesh
 from shapes import box
 
+from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, load_mesh, signed_volume
 from wm3d.mesh.catalog import DATASETS
 
@@ -31,6 +32,7 @@ OBJ_DIALECTS = {
     "relative, interleaved": "v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 0 1 0\nf 1 3 -1\n",
     "groups": CORNERS + "usemtl red\nf 1 2 3\nusemtl blue\ng part\no thing\ns off\nf 1 3 4\n",
     "coloured, wrapped": CORNERS.replace("\n", " 0.5 0.5 0.5\n") + "f 1 2 3 \\\n4\n",
+    "comments": "# v 9 9 9\n" + CORNERS.replace("\n", " # corner\n") + "f 1 2 3 # half\nf 1 3 4#half\n",
     "crlf": ("# by hand\n\n  " + CORNERS + "f 1 2 3 4\n").replace("\n", "\r\n"),
     "byte order mark": "\ufeff" + CORNERS + "f 1 2 3 4",
 }
@@ -83,6 +85,14 @@ def test_ascii_ply_with_faces_of_mixed_size(tmp_path):
     assert mesh.vertices.tolist() == [*SQUARE, [7, 7, 7]]
     # trimesh puts triangles before quads
     assert mesh.faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2], [2, 3, 0]]
+
+
+def test_comments_of_a_ply_header_announce_nothing(tmp_path):
+    whole = ply_header("ascii", 4, 2).replace(b"1.0\n", b"1.0\ncomment element vertex 99\n")
+    body = "".join(f"{x} {y} {z} {c}\n" for x, y, z, c in SCANNED[:4])
+    assert len(parsed(tmp_path, ".ply", whole + f"{body}3 0 1 2\n3 0 2 3\n".encode()).vertices) == 4
+    with pytest.raises(Wm3dError, match="is damaged, cut short"):
+        parsed(tmp_path, ".ply", whole.replace(b"vertex 4", b"vertex 7") + f"{body}3 0 1 2\n".encode())
 
 
 @pytest.mark.parametrize(("encoding", "order"), [("binary_little_endian", "<"), ("binary_big_endian", ">")])

@@ -41,7 +41,7 @@ def read_ply(content: bytes) -> Arrays:
     faces = np.empty((0, 3), np.int64) if faces is None else _triangles(faces)
     header = content.partition(b"end_header")[0]
     for element, found in (("vertex", len(vertices)), ("face", len(faces))):
-        announced = re.search(rb"element\s+%s\s+(\d+)" % element.encode(), header)
+        announced = re.search(rb"(?m)^\s*element\s+%s\s+(\d+)" % element.encode(), header)
         if announced and found < int(announced[1]):
             raise ValueError(f"{int(announced[1])} of element {element} announced, {found} found")
     return vertices, faces
@@ -53,7 +53,7 @@ def read_obj(content: bytes) -> Arrays:
     faces: list[tuple[int, int, int]] = []
     text = content.removeprefix(codecs.BOM_UTF8).replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
     for number, line in enumerate(text.splitlines(), start=1):
-        fields = line.split()
+        fields = line.partition(b"#")[0].split()
         if not fields or fields[0] not in (b"v", b"f"):
             continue
         if len(fields) < 4:
