@@ -1,8 +1,11 @@
 """Components: frozen, named bags of parameters that can be called (attacks, schemes, poses, detectors)."""
 
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
+
+from wm3d.errors import Wm3dError
 
 
 class Component(BaseModel):
@@ -29,6 +32,24 @@ class Component(BaseModel):
     def engines(self) -> tuple[str, ...]:
         """Distributions, named as on PyPI, whose release may change the numbers of this component."""
         return ()
+
+    def engine_versions(self) -> dict[str, str]:
+        """Return the installed version of each engine.
+
+        Raises
+        ------
+        Wm3dError
+            If one is not installed.
+        """
+        return {engine: self._version(engine) for engine in self.engines}
+
+    def _version(self, engine: str) -> str:
+        try:
+            return version(engine)
+        except (PackageNotFoundError, ValueError):  # ValueError: an empty name
+            raise Wm3dError(
+                f"{self.label()}: its engine {engine!r} is not installed; install that distribution."
+            ) from None
 
     def parameters(self) -> dict[str, Any]:
         """Return the parameters without the name, as plain JSON values."""

@@ -1,14 +1,15 @@
 """The plan: a cell's name changes with all that its numbers depend on, and with nothing else."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 import pytest
 from shapes import blob
 
 from wm3d.attacks import Clean, GaussianNoise, Similarity, Simplify
 from wm3d.bench import Experiment
-from wm3d.bench import plan as module
 from wm3d.bench.plan import FalseAlarmCell, TrialCell, plan, tasks
+from wm3d.errors import Wm3dError
 from wm3d.schemes import Song2002
 
 MESHES = {"one": blob(seed=1, subdivisions=2), "two": blob(seed=2, subdivisions=2)}
@@ -35,6 +36,15 @@ def test_every_mesh_scheme_attack_and_block_has_a_cell():
     assert len(cells) == 2 * 2 * 2 * 3
     assert {(cell.start, cell.stop) for cell in cells} == {(0, 4), (4, 8), (8, 10)}
     assert sum(cell.trials for cell in cells) == 2 * 2 * 2 * 10
+
+
+def test_an_engine_that_is_not_installed_is_told_with_what_needs_it():
+    class Meshed(GaussianNoise):
+        engines: ClassVar[tuple[str, ...]] = ("no-such-engine",)
+
+    cell = TrialCell(0, "one", "digest", WEAK, Meshed(), 0, 1, "H1")
+    with pytest.raises(Wm3dError, match=r"^gaussian-noise .*: its engine 'no-such-engine' is not installed;"):
+        cell.digest  # noqa: B018 (the access is the test)
 
 
 def test_words_that_change_no_number_change_no_cell():
@@ -73,7 +83,7 @@ def test_mesh_bytes_and_engine_versions_change_the_cells_that_use_them(monkeypat
     attacks = {"attacks": [Clean(), Simplify()]}
     without = {cell.digest for cell in plan(experiment(**attacks), MESHES) if cell.attack == Clean()}
     before = digests(**attacks)
-    monkeypatch.setattr(module, "version", lambda package: f"another {package}")
+    monkeypatch.setattr("wm3d.component.version", lambda package: f"another {package}")
     assert before & digests(**attacks) == without
     monkeypatch.undo()
     monkeypatch.setattr(GaussianNoise, "version", 99)

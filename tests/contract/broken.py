@@ -51,6 +51,11 @@ class Borrowed(Harmless):
         return GaussianNoise().label()
 
 
+class Unequipped(Harmless):
+    name: Literal["unequipped"] = "unequipped"
+    engines: ClassVar[tuple[str, ...]] = ("no-such-engine",)
+
+
 class GlobalDraws(Harmless):
     name: Literal["global-draws"] = "global-draws"
 
@@ -129,6 +134,7 @@ ATTACKS: dict[type[Attack], tuple[str, str]] = {
     Unhashable: ("parameters-survive-json", "it raises TypeError: unhashable type: 'list'"),
     Thawed: ("parameters-survive-json", "its parameter name can be set anew"),
     Borrowed: ("label-is-its-own", "'gaussian-noise 0.6 rms-vector' is also that of gaussian-noise"),
+    Unequipped: ("engines-are-installed", "its engine 'no-such-engine' is not installed"),
     GlobalDraws: ("same-generator-same-mesh", "draw from `rng` alone"),
     Clock: ("same-generator-same-mesh", "draw from `rng` alone"),
     Silent: ("random-says-whether-the-generator-matters", "declare random: ClassVar[bool] = False"),

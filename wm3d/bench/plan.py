@@ -6,12 +6,10 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib.metadata import version
 from typing import Any, ClassVar, Literal
 
 from wm3d.attacks import Attack, Clean
 from wm3d.bench.config import Experiment
-from wm3d.component import Component
 from wm3d.mesh import Mesh
 from wm3d.metrics import Budget
 from wm3d.schemes import Scheme
@@ -87,7 +85,7 @@ class Cell:
             "mesh": [self.mesh, self.mesh_digest],
             "scheme": self.scheme.identity(),
             "attack": self.attack.identity(),
-            "engines": _engine_versions(self.scheme, self.attack),
+            "engines": self.scheme.engine_versions() | self.attack.engine_versions(),
             "trials": [self.start, self.stop],
         }
 
@@ -267,7 +265,3 @@ def tasks(cells: list[Cell]) -> list[Task]:
         key = (cell.label, scheme, cell.mesh_digest, cell.start, cell.stop)
         groups.setdefault(key, []).append(cell)
     return [Task(tuple(group)) for group in groups.values()]
-
-
-def _engine_versions(*components: Component) -> dict[str, str]:
-    return {engine: version(engine) for component in components for engine in component.engines}

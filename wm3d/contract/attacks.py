@@ -8,7 +8,7 @@ import numpy as np
 from wm3d.attacks import ATTACKS, Attack, GaussianNoise, Owner
 from wm3d.contract import samples
 from wm3d.contract.check import Broken, global_state
-from wm3d.contract.components import check_label, check_name, check_parameters
+from wm3d.contract.components import check_engines, check_label, check_name, check_parameters
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 
@@ -29,6 +29,11 @@ def parameters_survive_json(attack: Attack) -> None:
 def label_is_its_own(attack: Attack) -> None:
     """No other attack has its label."""
     check_label(attack, ATTACKS)
+
+
+def engines_are_installed(attack: Attack) -> None:
+    """The distributions that `engines` names are installed."""
+    check_engines(attack)
 
 
 def same_generator_same_mesh(attack: Attack) -> None:
@@ -98,6 +103,7 @@ ATTACK_CHECKS: tuple[Callable[[Attack], None], ...] = (
     has_a_name,
     parameters_survive_json,
     label_is_its_own,
+    engines_are_installed,
     same_generator_same_mesh,
     random_says_whether_the_generator_matters,
     input_stays_as_it_is,

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from wm3d.component import Component
 from wm3d.contract.check import Broken
+from wm3d.errors import Wm3dError
 
 
 def check_name(component: Component) -> None:
@@ -38,6 +39,14 @@ def check_parameters(component: Component) -> None:
         except ValidationError:
             continue
         raise Broken(f"its parameter {field} can be set anew; leave the model frozen.")
+
+
+def check_engines(component: Component) -> None:
+    """Refuse engines whose release cannot be told: a run is stored under it."""
+    try:
+        component.engine_versions()
+    except Wm3dError as error:
+        raise Broken(str(error)) from None
 
 
 def check_label(component: Component, registry: Mapping[str, type[Component]]) -> None:

@@ -9,7 +9,7 @@ from scipy.stats import kstest
 
 from wm3d.contract import samples
 from wm3d.contract.check import Broken, global_state
-from wm3d.contract.components import check_label, check_name, check_parameters
+from wm3d.contract.components import check_engines, check_label, check_name, check_parameters
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 from wm3d.metrics import snr
@@ -39,6 +39,11 @@ def parameters_survive_json(scheme: Scheme) -> None:
 def label_is_its_own(scheme: Scheme) -> None:
     """No other scheme has its label."""
     check_label(scheme, SCHEMES)
+
+
+def engines_are_installed(scheme: Scheme) -> None:
+    """The distributions that `engines` names are installed."""
+    check_engines(scheme)
 
 
 def embedding_is_deterministic(scheme: Scheme) -> None:
@@ -155,6 +160,7 @@ SCHEME_CHECKS: tuple[Callable[[Scheme], None], ...] = (
     has_a_name,
     parameters_survive_json,
     label_is_its_own,
+    engines_are_installed,
     embedding_is_deterministic,
     other_seeds_mark_otherwise,
     faces_stay,
