@@ -77,6 +77,24 @@ def test_all_wrong_parameters_stand_in_one_sentence():
     assert "\n" not in sentence
 
 
+def test_of_a_long_value_the_ends_are_told_and_of_a_missing_one_no_value():
+    class Deep(Paint):
+        name: Literal["deep"] = "deep"
+        layers: tuple[Red, int]
+
+    with pytest.raises(Wm3dError) as refusal:
+        Registry("paint", Paint, Deep).build("deep", {"layers": [{"coats": "many " * 9999}]})
+    sentence = str(refusal.value)
+    assert "layers.0.coats = 'many many" in sentence
+    assert sentence.endswith("; layers.1 is missing.")
+    assert len(sentence) < 250
+
+
+def test_the_name_is_no_parameter_that_can_be_another():
+    with pytest.raises(Wm3dError, match=r"^paint red: name = 'blue': input should be 'red'\.$"):
+        paints().build("red", {"name": "blue"})
+
+
 @pytest.mark.parametrize(
     ("target", "sentence"),
     [

@@ -4,7 +4,7 @@ import operator
 from collections.abc import Collection
 from typing import Any
 
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, shown
 from wm3d.mesh import Mesh
 from wm3d.schemes import SCHEMES, Key, Scheme
 from wm3d.stats import Score
@@ -54,20 +54,30 @@ def embed(
     Wm3dError
         If a parameter is wrong, `mesh` is no `Mesh`, or it cannot carry the mark.
     """
+    chosen = _chosen(scheme, parameters)
+    _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
+    seed = _checked_seed(seed)
+    if snr is not None:
+        chosen = chosen.at_snr(mesh, seed, _checked_snr(snr))
+    marked, chosen = chosen.embed(mesh, seed)
+    return marked, Key(chosen, seed)
+
+
+def _chosen(scheme: Any, parameters: dict[str, Any]) -> Scheme:
+    if "name" in parameters:
+        raise Wm3dError(f"name={shown(parameters['name'])}: is no parameter; name a scheme by scheme=.")
     if isinstance(scheme, Scheme):
         if parameters:
             raise Wm3dError(
                 f"parameters {sorted(parameters)} go with the name of a scheme, not with a scheme."
             )
-        chosen = scheme
-    else:
-        chosen = SCHEMES.build(scheme or default_scheme(parameters), parameters)
-    _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
-    seed = _checked_seed(seed)
-    if snr is not None:
-        chosen = chosen.at_snr(mesh, seed, snr)
-    marked, chosen = chosen.embed(mesh, seed)
-    return marked, Key(chosen, seed)
+        return scheme
+    if scheme is None:
+        scheme = default_scheme(parameters)
+    if not isinstance(scheme, str):
+        given = scheme.__name__ if isinstance(scheme, type) else shown(scheme)
+        raise Wm3dError(f"the scheme is {given}; give the name of a scheme, or one built of it.")
+    return SCHEMES.build(scheme, parameters)
 
 
 def _check(value: object, wanted: type, what: str, remedy: str) -> None:
@@ -81,8 +91,15 @@ def _checked_seed(seed: Any) -> int:
     except TypeError:
         value = -1
     if not 0 <= value < 1 << 256:
-        raise Wm3dError(f"the seed is {seed!r}; it must be an integer from 0 to 2^256 − 1.")
+        raise Wm3dError(f"the seed is {shown(seed)}; it must be an integer from 0 to 2^256 − 1.")
     return value
+
+
+def _checked_snr(snr: Any) -> float:
+    try:
+        return float(snr)
+    except (TypeError, ValueError, OverflowError):
+        raise Wm3dError(f"the SNR is {shown(snr)}; it must be a number of decibels.") from None
 
 
 def detect(mesh: Mesh, key: Key, *, original: Mesh | None = None) -> Score:
@@ -104,9 +121,12 @@ def detect(mesh: Mesh, key: Key, *, original: Mesh | None = None) -> Score:
     Raises
     ------
     Wm3dError
-        If `mesh` is no `Mesh` or `key` no `Key`, the mesh cannot be read, or the original is missing or
-        another mesh.
+        If `mesh` or `original` is no `Mesh` or `key` no `Key`, the mesh cannot be read, or the original is
+        missing or another mesh.
     """
     _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
     _check(key, Key, "the key", "wm3d.Key.load reads one from a file")
-    return (key if original is None else key.with_original(original)).score(mesh)
+    if original is not None:
+        _check(original, Mesh, "the original", "wm3d.load_mesh reads one from a file")
+        key = key.with_original(original)
+    return key.score(mesh)

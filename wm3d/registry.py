@@ -10,7 +10,7 @@ from pydantic import GetCoreSchemaHandler, ValidationError
 from pydantic_core import CoreSchema, core_schema
 
 from wm3d.component import Component
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, shown
 
 T = TypeVar("T", bound=Component)
 
@@ -62,7 +62,7 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         if name not in self._classes:
             near = difflib.get_close_matches(name, self._classes, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(self._classes)}."
-            raise Wm3dError(f"unknown {self.kind} {name!r}; {hint}")
+            raise Wm3dError(f"unknown {self.kind} {shown(name)}; {hint}")
         return self._classes[name]
 
     def __contains__(self, name: object) -> bool:
@@ -80,11 +80,11 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         Raises
         ------
         Wm3dError
-            If the name is unknown or a parameter is; all wrong parameters are named in one sentence.
+            If the name is unknown or a parameter wrong; all wrong parameters are named in one sentence.
         """
         cls = self[name]
         try:
-            return cls.model_validate({**parameters, "name": name})
+            return cls.model_validate({"name": name, **parameters})
         except ValidationError as error:
             faults = describe(error, cls)
             raise Wm3dError(f"{self.kind} {name}: {faults}" + "." * (not faults.endswith("?"))) from None
@@ -124,13 +124,17 @@ def describe(error: ValidationError, cls: type[Component]) -> str:
 def _describe_one(fault: Any, cls: type[Component]) -> str:
     path = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "extra_forbidden" and len(fault["loc"]) > 1:  # of a component inside this one
-        return f"unknown parameter {path!r}"
+        return f"unknown parameter {shown(path)}"
     if fault["type"] == "extra_forbidden":
         near = difflib.get_close_matches(path, cls.model_fields, n=1)
         known = ", ".join(field for field in cls.model_fields if field != "name") or "none"
-        return f"unknown parameter {path!r}, " + (f"did you mean {near[0]!r}?" if near else f"known: {known}")
+        return f"unknown parameter {shown(path)}, " + (
+            f"did you mean {near[0]!r}?" if near else f"known: {known}"
+        )
+    if fault["type"] == "missing":
+        return f"{path} is missing"
     if fault["type"] == "union_tag_invalid":
-        return f"{path} has the unknown name {fault['ctx']['tag']!r}, known: {fault['ctx']['expected_tags']}"
+        return f"{path} has the unknown name {shown(fault['ctx']['tag'])}, known: {fault['ctx']['expected_tags']}"
     message = fault["msg"].removeprefix("Value error, ")
     message = message[:1].lower() + message[1:]
-    return f"{path} = {fault['input']!r}: {message}" if path else message
+    return f"{path} = {shown(fault['input'])}: {message}" if path else message

@@ -164,6 +164,12 @@ def test_wrong_overrides_are_told_by_what_the_user_typed(path, override, sentenc
     assert faults(path, override) == [sentence]
 
 
+def test_of_a_long_value_the_ends_are_told(path):
+    path.write_text(GOOD.replace("trials: 5", f"trials: {'five' * 9999}"))
+    (fault,) = faults(path)
+    assert re.fullmatch(r"line 2, trials: 'five.{,80}five' must be a whole number\.", fault)
+
+
 def test_an_override_mends_a_fault_of_the_file(path):
     path.write_text(GOOD.replace("trials: 5", "trials: five"))
     assert load_experiment(path, ["trials=5"]).trials == 5

@@ -97,6 +97,30 @@ def test_embed_refuses_what_no_key_can_hold(seed):
         embed(blob(0, 3), seed=seed)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ({"scheme": Song2002}, "the scheme is Song2002; give the name of a scheme, or one built of it."),
+        ({"scheme": 5}, "the scheme is 5; give the name of a scheme, or one built of it."),
+        ({"scheme": ""}, "unknown scheme ''; "),
+        ({"snr": "abc"}, "the SNR is 'abc'; it must be a number of decibels."),
+        ({"snr": [44]}, "the SNR is [44]; it must be a number of decibels."),
+        ({"name": "song2002"}, "name='song2002': is no parameter; name a scheme by scheme=."),
+        ({"scheme": Song2002(), "alpha": 2}, "parameters ['alpha'] go with the name of a scheme"),
+    ],
+)
+def test_embed_refuses_wrong_arguments_in_one_sentence(arguments, sentence):
+    with pytest.raises(Wm3dError) as refusal:
+        embed(blob(0, 3), seed=1, **arguments)
+    assert str(refusal.value).startswith(sentence)
+
+
+def test_an_original_that_is_no_mesh_is_refused_even_where_none_is_needed():
+    marked, key = embed(blob(0, 3), seed=1, scheme="song2002")
+    with pytest.raises(Wm3dError, match=r"^the original is a str, not a wm3d\.Mesh; wm3d\.load_mesh reads"):
+        detect(marked, key, original="blob.ply")
+
+
 def test_embed_takes_the_integers_of_numpy(tmp_path):
     _, key = embed(blob(0, 3), seed=np.int64(7), scheme="song2002")
     key.save(tmp_path / "key.json")

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from wm3d.bench.yamlfile import Document, Step
 from wm3d.component import Component
+from wm3d.errors import shown
 
 
 def describe_faults(
@@ -100,11 +101,11 @@ def _sentence(fault: Any, path: tuple[Step, ...], model: type[BaseModel]) -> str
         return "is missing"
     if kind == "union_tag_invalid":
         known = [tag.strip().strip("'") for tag in context["expected_tags"].split(",")]
-        return f"unknown name {context['tag']!r}" + _suggest(context["tag"], known)
+        return f"unknown name {shown(context['tag'])}" + _suggest(context["tag"], known)
     if kind == "union_tag_not_found":
         return "needs a 'name'"
     if kind == "string_pattern_mismatch":
-        return f"{fault['input']!r} must consist of lower-case letters, digits and hyphens"
+        return f"{shown(fault['input'])} must consist of lower-case letters, digits and hyphens"
     if kind in ("too_short", "too_long"):
         bound = context.get("min_length", context.get("max_length"))
         more = "or more " if kind == "too_short" else ""
@@ -157,7 +158,7 @@ def _shown(value: Any) -> str:
         return "an empty value"
     if isinstance(value, dict | list):
         return "a mapping" if isinstance(value, dict) else "a list"
-    return str(value).lower() if isinstance(value, bool) else repr(value)
+    return str(value).lower() if isinstance(value, bool) else shown(value)
 
 
 def _suggest(word: str, known: list[str]) -> str:

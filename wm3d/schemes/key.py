@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, shown
 from wm3d.mesh import Mesh, Secret, write_whole
 from wm3d.schemes.base import Scheme
 from wm3d.schemes.registry import SCHEMES
@@ -87,5 +87,7 @@ class Key:
         if not isinstance(scheme, dict) or not isinstance(scheme.get("name"), str):
             raise Wm3dError('is not a complete key: "scheme" must hold the name and parameters of a scheme.')
         if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < 1 << 256:
-            raise Wm3dError(f'is not a complete key: "seed" is {seed!r}, not an integer from 0 to 2^256 − 1.')
+            raise Wm3dError(
+                f'is not a complete key: "seed" is {shown(seed)}, not an integer from 0 to 2^256 − 1.'
+            )
         return cls(SCHEMES.build(scheme["name"], scheme), seed)
