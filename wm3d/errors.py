@@ -3,8 +3,11 @@
 import reprlib
 from typing import Any
 
+LONGEST = 80
+"""Characters of a value that a message shows at most."""
+
 _short = reprlib.Repr()
-_short.maxstring = _short.maxother = 80
+_short.maxstring = _short.maxother = LONGEST
 
 
 def shown(value: Any) -> str:
@@ -13,6 +16,11 @@ def shown(value: Any) -> str:
         return _short.repr(value)
     except ValueError:  # Python writes no integer of thousands of digits
         return f"a {type(value).__name__} of too many digits"
+
+
+def shortened(text: str) -> str:
+    """Return a text for a message, without the middle of one that would fill the screen."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 20]}...{text[-17:]}"
 
 
 class Wm3dError(ValueError):

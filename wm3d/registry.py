@@ -134,7 +134,8 @@ def _describe_one(fault: Any, cls: type[Component]) -> str:
     if fault["type"] == "missing":
         return f"{path} is missing"
     if fault["type"] == "union_tag_invalid":
-        return f"{path} has the unknown name {shown(fault['ctx']['tag'])}, known: {fault['ctx']['expected_tags']}"
+        tag, known = shown(fault["ctx"]["tag"]), fault["ctx"]["expected_tags"]
+        return f"{path} has the unknown name {tag}, known: {known}"
     message = fault["msg"].removeprefix("Value error, ")
     message = message[:1].lower() + message[1:]
     return f"{path} = {shown(fault['input'])}: {message}" if path else message

@@ -157,6 +157,16 @@ def test_overrides_change_values_deep_inside(path):
         ("cases.0.schemes.0.detector.shape=1",
          "--set cases.0.schemes.0.detector.shape=1: there is no 'detector' in cases[0].schemes[0]."),
         ("attacks.0.percnt=1", "--set attacks.0.percnt=1: unknown key; did you mean 'percent'?"),
+        ("title=2020-13-45", "--set title=2020-13-45: line 1: is not valid YAML: '2020-13-45' is no "
+         "timestamp, quote it if it is text."),
+        ("title=&a [*a]",
+         "--set title=&a [*a]: line 1, [0]: stands for itself, by an alias inside its anchor."),
+        ("calibrate={[1]: 2}", "--set calibrate={[1]: 2}: line 1: the key must be a word."),
+        ("seed=" + "1" * 5000, f"--set seed={'1' * 55}...{'1' * 17}: line 1: is not valid YAML: "
+         f"'{'1' * 37}...{'1' * 38}' is no int, quote it if it is text."),
+        ("title=" + "[" * 3000, f"--set title={'[' * 54}...{'[' * 17}: is nested too deeply."),
+        (f"attacks.{'9' * 5000}=1", f"--set attacks.{'9' * 52}...{'9' * 15}=1: there is no "
+         f"'{'9' * 37}...{'9' * 38}' in attacks, a list of 1; indices count from 0."),
         ("suites=[liris]", "--set suites=[liris]: no such suite; did you mean 'liris2010'?"),
     ],
 )  # fmt: skip

@@ -81,6 +81,7 @@ def test_faults_that_leave_the_rest_readable_are_collected(yaml, text, fault):
         ("", "must hold a mapping of keys to values, such as 'trials: 100'."),
         ("- a\n", "must hold a mapping of keys to values, such as 'trials: 100'."),
         ("a: [1, 2\nb: 3\n", "line 2: is not valid YAML: expected ',' or ']', but got ':'."),
+        ("%YAML 1.9\n---\na: 1\n", "is not valid YAML: it asks for a version that there is not."),
         ("a: 1\n\tb: 3\n", "line 2: is not valid YAML: found character '\\t' that cannot start any token."),
         ("a: 1\n---\nb: 1\n", "line 2: is not valid YAML: expected a single document in the stream, but "
          "found another document."),
@@ -92,6 +93,31 @@ def test_files_that_are_no_mapping_are_told_by_line(yaml, tmp_path, text, senten
     with pytest.raises(Wm3dError) as raised:
         yaml(text)
     assert str(raised.value) == f"{tmp_path / 'file.yaml'}: {sentence}"
+
+
+@pytest.mark.parametrize(
+    ("value", "problem"),
+    [
+        ("2020-13-45", "'2020-13-45' is no timestamp, quote it if it is text"),
+        ("!!int abc", "'abc' is no int, quote it if it is text"),
+        ("!!int ''", "'' is no int, quote it if it is text"),
+        ("!!bool 7", "'7' is no bool, quote it if it is text"),
+        ("1" * 5000, f"'{'1' * 37}...{'1' * 38}' is no int, quote it if it is text"),
+        ("0x" + "f" * 5000, f"'0x{'f' * 35}...{'f' * 38}' is no int, quote it if it is text"),
+    ],
+)
+def test_values_that_look_like_something_and_are_nothing_are_told_by_line(yaml, tmp_path, value, problem):
+    for text in (f"a: 1\nb:\n  - {value}\n", f"a: 1\nb: 1\n? {value}\n: 1\n"):
+        with pytest.raises(Wm3dError) as raised:
+            yaml(text)
+        assert str(raised.value) == f"{tmp_path / 'file.yaml'}: line 3: is not valid YAML: {problem}."
+
+
+@pytest.mark.parametrize("depth", [250, 3000])  # a parser's limit comes first, or the interpreter's
+def test_nesting_without_end_is_told(yaml, tmp_path, depth):
+    with pytest.raises(Wm3dError) as raised:
+        yaml("a: " + "[" * depth + "]" * depth)
+    assert str(raised.value) == f"{tmp_path / 'file.yaml'}: is nested too deeply."
 
 
 def test_files_that_are_no_text_are_told(tmp_path):

@@ -5,13 +5,17 @@ from pathlib import Path
 from typing import Any
 
 from ruamel.yaml import YAML
+from ruamel.yaml.constructor import ConstructorError
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from wm3d.errors import Wm3dError
+from wm3d.errors import LONGEST, Wm3dError, shortened, shown
 
 Step = str | int
 Path_ = tuple[Step, ...]
+
+DEEPEST = 100
+"""Lists and mappings inside each other at most; the reader of JSON behind a config takes 200."""
 
 
 class Document:
@@ -53,9 +57,12 @@ class Document:
             If the path leads through something that is neither a mapping nor a list.
         """
         target, separator, text = assignment.partition("=")
+        assignment = shortened(assignment)
         if not separator or not target:
             raise Wm3dError(f"--set {assignment}: must have the form path.to.field=value.")
-        path = tuple(int(step) if step.isdecimal() else step for step in target.split("."))
+        path = tuple(
+            int(step) if step.isdecimal() and len(step) < LONGEST else step for step in target.split(".")
+        )
         inner = self.data
         for depth in range(len(path) - 1):
             inner = _step_into(inner, path, depth, assignment)
@@ -63,7 +70,7 @@ class Document:
             _step_into(inner, path, len(path) - 1, assignment)
         elif not isinstance(inner, dict):
             raise Wm3dError(f"--set {assignment}: {dotted(path[:-1])} holds a single value.")
-        inner[path[-1]] = _parse(text, f"--set {assignment}")
+        inner[path[-1]] = parse_value(text, f"--set {assignment}")
         self._overridden[path] = assignment
 
 
@@ -90,14 +97,25 @@ def read_yaml(path: str | Path) -> Document:
     except UnicodeDecodeError:
         raise Wm3dError(f"{path}: is not a YAML file: it is not UTF-8 text.") from None
     builder = _Builder()
-    try:
-        root = builder.reader.compose(text)
-        if not isinstance(root, MappingNode):
-            raise Wm3dError(f"{path}: must hold a mapping of keys to values, such as 'trials: 100'.")
-        data = builder.build(root, ())
-    except YAMLError as error:
-        raise Wm3dError(f"{path}: {_yaml_fault(error)}") from None
+    data = builder.read(text, str(path))
+    if not isinstance(data, dict):
+        raise Wm3dError(f"{path}: must hold a mapping of keys to values, such as 'trials: 100'.")
     return Document(str(path), data, builder.lines, builder.faults)
+
+
+def parse_value(text: str, where: str) -> Any:
+    """Return the plain data of one value, as on a command line.
+
+    Raises
+    ------
+    Wm3dError
+        If the text is not YAML, or a file would be refused for it; it begins with `where`.
+    """
+    builder = _Builder()
+    data = builder.read(text, where)
+    for _, sentence in builder.faults:
+        raise Wm3dError(f"{where}: {sentence}")
+    return data
 
 
 def write_yaml(data: Any) -> str:
@@ -118,9 +136,23 @@ class _Builder:
         self.faults: list[tuple[int, str]] = []
         self._around: list[Node] = []
 
+    def read(self, text: str, where: str) -> Any:
+        """Return the data of a text; raise a `Wm3dError` that begins with `where` if it is not YAML."""
+        try:
+            root = self.reader.compose(text)
+            return None if root is None else self.build(root, ())
+        except YAMLError as error:
+            raise Wm3dError(f"{where}: {_yaml_fault(error)}") from None
+        except (KeyError, AssertionError):  # what ruamel says to versions that it does not know
+            raise Wm3dError(f"{where}: is not valid YAML: it asks for a version that there is not.") from None
+        except RecursionError:
+            raise Wm3dError(f"{where}: is nested too deeply.") from None
+
     def build(self, node: Node, path: Path_) -> Any:
         line = node.start_mark.line + 1
         self.lines[path] = line
+        if len(path) > DEEPEST:
+            raise RecursionError
         if node in self._around:
             self._fault(line, path, "stands for itself, by an alias inside its anchor")
             return None
@@ -130,7 +162,7 @@ class _Builder:
                 return [self.build(item, (*path, i)) for i, item in enumerate(node.value)]
             if isinstance(node, MappingNode):
                 return self._mapping(node, path)
-            return self.reader.constructor.construct_object(node, deep=True)
+            return self._scalar(node)
         finally:
             self._around.pop()
 
@@ -139,9 +171,7 @@ class _Builder:
         for key_node, value_node in node.value:
             line = key_node.start_mark.line + 1
             key = key_node.value
-            if not isinstance(key_node, ScalarNode) or not isinstance(
-                self.reader.constructor.construct_object(key_node, deep=True), str
-            ):
+            if not isinstance(key_node, ScalarNode) or not isinstance(self._scalar(key_node), str):
                 shown = f" {key}" if isinstance(key, str) else ""
                 self._fault(line, path, f"the key{shown} must be a word")
             elif key in mapping:
@@ -151,15 +181,20 @@ class _Builder:
                 self.lines[(*path, key)] = line
         return mapping
 
+    def _scalar(self, node: Node) -> Any:
+        try:
+            value = self.reader.constructor.construct_object(node, deep=True)
+            str(value)  # Python writes no integer of thousands of digits, nor reads one
+        except YAMLError:
+            raise
+        except Exception:  # forms that stand for nothing, as the 45th of a month, fail in every way there is
+            kind = node.tag.rpartition(":")[2]
+            problem = f"{shown(node.value)} is no {kind}, quote it if it is text"
+            raise ConstructorError(problem=problem, problem_mark=node.start_mark) from None
+        return value
+
     def _fault(self, line: int, path: Path_, sentence: str) -> None:
         self.faults.append((line, f"line {line}{', ' if path else ''}{dotted(path)}: {sentence}."))
-
-
-def _parse(text: str, where: str) -> Any:
-    try:
-        return YAML(typ="safe", pure=True).load(text)
-    except YAMLError as error:
-        raise Wm3dError(f"{where}: {_yaml_fault(error)}") from None
 
 
 def _yaml_fault(error: YAMLError) -> str:
@@ -180,4 +215,4 @@ def _step_into(inner: Any, path: Path_, depth: int, assignment: str) -> Any:
         return inner[step]
     where = dotted(path[:depth]) or "this config"
     size = f", a list of {len(inner)}; indices count from 0" if isinstance(inner, list) else ""
-    raise Wm3dError(f"--set {assignment}: there is no {step!r} in {where}{size}.")
+    raise Wm3dError(f"--set {assignment}: there is no {shown(step)} in {where}{size}.")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, shortened
 
 if TYPE_CHECKING:
     from wm3d.mesh import Mesh
@@ -104,8 +104,7 @@ def assignments(pairs: Sequence[str], **options: Any) -> dict[str, Any]:
     Wm3dError
         If a text has another form, or a parameter is set twice.
     """
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
+    from wm3d.bench.yamlfile import parse_value
 
     parameters = {name: value for name, value in options.items() if value is not None}
     for pair in pairs:
@@ -114,8 +113,5 @@ def assignments(pairs: Sequence[str], **options: Any) -> dict[str, Any]:
             raise Wm3dError(f"{pair}: a parameter must have the form param=value, such as percent=0.6.")
         if name in parameters:
             raise Wm3dError(f"{pair}: the parameter {name} is set twice.")
-        try:
-            parameters[name] = YAML(typ="safe", pure=True).load(text)
-        except YAMLError:
-            raise Wm3dError(f"{pair}: the value is not valid YAML; quote it.") from None
+        parameters[name] = parse_value(text, shortened(pair))
     return parameters
