@@ -74,6 +74,18 @@ def test_a_metric_that_is_not_defined_says_why(wm3d: Run, files: Path) -> None:
     assert found["volume_change_percent"] is None
 
 
+def test_a_mesh_in_another_unit_has_the_metrics_that_do_not_measure_its_surface(
+    wm3d: Run, cubes: tuple[Path, Path], tmp_path: Path
+) -> None:
+    save_mesh(box().with_vertices(1000 * box().vertices), tmp_path / "mm.ply")
+    found = json.loads(wm3d("compare", cubes[0], tmp_path / "mm.ply", "--json").stdout)
+    reason = f"{tmp_path / 'mm.ply'}: is 1,000 times as large as {cubes[0]}; bring them to one unit."
+    lengths = ("hausdorff", "mrms")
+    refused = [f"{name}_{unit}" for name in lengths for unit in ("mesh_units", "percent_of_diagonal")]
+    assert found["notes"] == dict.fromkeys([*refused, "normal_deviation_deg", "msdm", "msdm2"], reason)
+    assert found["volume_change_percent"] == pytest.approx(100 * (1e9 - 1))
+
+
 @pytest.mark.parametrize(("file", "words"), [("missing.ply", "no such file"), ("cloud.off", "has no faces")])
 @pytest.mark.parametrize("place", [0, 1])
 def test_bad_input_is_one_sentence(wm3d: Run, files: Path, file: str, words: str, place: int) -> None:

@@ -110,6 +110,41 @@ def test_cells_cover_their_triangles_with_short_edges() -> None:
     assert (np.diff(parent) >= 0).all()
 
 
+def test_the_number_of_cells_is_known_roughly_before_they_are_cut() -> None:
+    rng = np.random.default_rng(4)
+    triangles = rng.normal(size=(30, 3, 3))
+    triangles[0, 2] = triangles[0, 1]  # no area, but two long edges
+    triangles[1] *= 1e-3  # not cut
+    for triangle in triangles:
+        estimate = kernels.cells_cut(triangle[None], 0.05)
+        found = len(kernels.cells(triangle[None], 0.05)[0])
+        assert found == 1 if estimate == 0 else found / 4 < estimate < 2.5 * found
+
+
+def test_a_surface_in_another_unit_is_refused_before_it_is_cut() -> None:
+    other = Mesh(1000 * box().vertices, box().faces, name="mm")
+    for metric in (hausdorff, hausdorff_error, mrms, normal_deviation):
+        with pytest.raises(
+            Wm3dError, match=r"^mm: is 1,000 times as large as box; bring them to one unit\.$"
+        ):
+            metric(box(), other)
+    assert hausdorff(other, box()) > 0
+
+
+def test_a_surface_folded_beyond_measure_is_refused_and_a_rough_one_is_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(distances, "MOST_CUT", 5000)
+    ball = blob(subdivisions=3)  # 1280 faces
+    noise = np.random.default_rng(5).normal(size=ball.vertices.shape)
+    crumpled, rough = (ball.with_vertices(ball.vertices + size * noise) for size in (0.3, 0.01))
+    with pytest.raises(
+        Wm3dError, match=r"^blob-0: its surface is too folded to be measured, in some .* smooth it"
+    ):
+        mrms(ball, crumpled)
+    assert mrms(ball, rough) > 0
+
+
 def test_moments_agree_with_numpy() -> None:
     triangles = np.random.default_rng(3).normal(size=(50, 3, 3))
     centroids, areas, reach, spread = kernels.moments(triangles)

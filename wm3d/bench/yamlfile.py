@@ -188,7 +188,7 @@ class _Builder:
         except YAMLError:
             raise
         except Exception:  # forms that stand for nothing, as the 45th of a month, fail in every way there is
-            kind = node.tag.rpartition(":")[2]
+            kind = str(node.tag).rpartition(":")[2]
             problem = f"{shown(node.value)} is no {kind}, quote it if it is text"
             raise ConstructorError(problem=problem, problem_mark=node.start_mark) from None
         return value

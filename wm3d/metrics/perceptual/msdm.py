@@ -15,7 +15,7 @@ from wm3d.metrics.perceptual import kernels
 from wm3d.metrics.perceptual.connectivity import Connectivity
 from wm3d.metrics.perceptual.curvature import mean_absolute_curvature
 from wm3d.metrics.snr import check_same_vertices
-from wm3d.metrics.surface import Nearest, Surface, tree_order
+from wm3d.metrics.surface import Nearest, Surface, check_size, tree_order
 
 SCALES = (0.002, 0.003, 0.004)
 """Radii of the balls of the curvature of MSDM2, over the largest side of the bounding box."""
@@ -39,7 +39,7 @@ def msdm(original: Mesh, other: Mesh) -> float:
     Raises
     ------
     Wm3dError
-        If the meshes do not have the same number of vertices.
+        If the meshes do not have the same number of vertices, or one is far too large beside the other.
     """
     check_same_vertices("MSDM", original, other)
     a, b = _sides(original, other, same_order=True)
@@ -53,6 +53,11 @@ def msdm2(original: Mesh, other: Mesh) -> float:
     Each vertex of one surface is compared with the nearest point of the other by (L + C + S/2) / 2.5,
     averaged over three scales, and pooled with a Minkowski-3 mean over the vertices; then the two directions
     are averaged (Lavoué, Computer Graphics Forum 30(5), 2011).
+
+    Raises
+    ------
+    Wm3dError
+        If one surface is far too large beside the other.
     """
     a, b = _sides(original, other)
     on_b, on_a = b.surface().nearest(a.vertices), a.surface().nearest(b.vertices)
@@ -120,6 +125,8 @@ class _Side:
 
 
 def _sides(original: Mesh, other: Mesh, same_order: bool = False) -> tuple[_Side, _Side]:
+    check_size(original, other)  # windows in the unit of the larger mesh would hold all of the smaller
+    check_size(other, original)
     origin = original.vertices.mean(axis=0)
     unit = float(max(np.ptp(mesh.vertices, axis=0).max() for mesh in (original, other)))
     orders = [tree_order(mesh.vertices) for mesh in (original, original if same_order else other)]

@@ -3,6 +3,7 @@
 from wm3d.metrics.surface.distances import (
     OneWay,
     both_ways,
+    check_size,
     hausdorff,
     hausdorff_error,
     mrms,
@@ -15,6 +16,7 @@ __all__ = [
     "OneWay",
     "Surface",
     "both_ways",
+    "check_size",
     "hausdorff",
     "hausdorff_error",
     "mrms",

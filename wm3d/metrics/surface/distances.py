@@ -28,6 +28,10 @@ TOLERANCE = 2e-4
 MOST_CELLS = 200_000
 """Cells that are split at most to bring the error of the Hausdorff distance down to `TOLERANCE`."""
 
+MOST_CUT, MOST_CUT_A_FACE = 2_000_000, 3
+"""Cells that a surface may be cut into, and more for each face, by the estimate: some 2.5 GB, and a minute.
+Faces that are not cut cost what the mesh does, and do not count."""
+
 
 class OneWay(NamedTuple):
     """What lies between one surface and the nearest points of the other, in mesh units.
@@ -106,12 +110,45 @@ def both_ways(original: Mesh, other: Mesh) -> tuple[OneWay, OneWay]:
     """Measure from the original to the other surface and back, at a time where numba may use two threads.
 
     The numbers do not depend on that.
+
+    Raises
+    ------
+    Wm3dError
+        If a surface is so large, over the diagonal of the original, that it would make too many cells.
     """
+    check_size(original, other)
     origin, unit = original.vertices.mean(axis=0), original.diagonal
     with ThreadPoolExecutor(min(2, config.NUMBA_NUM_THREADS)) as pool:
         a, b = pool.map(lambda mesh: Surface((mesh.vertices - origin) / unit, mesh.faces), (original, other))
         there, back = pool.map(_one_way, (a, b), (b, a), (unit, unit))
     return there, back
+
+
+def check_size(original: Mesh, other: Mesh) -> None:
+    """Refuse surfaces that are too large over the diagonal of the original, before they take hours.
+
+    Raises
+    ------
+    Wm3dError
+        If either would make far more cells than it has faces.
+    """
+    for mesh in (original, other):
+        _check_one(original, mesh)
+
+
+def _check_one(original: Mesh, mesh: Mesh) -> None:
+    cut = kernels.cells_cut(mesh.vertices[mesh.faces], SPACING * original.diagonal)
+    if cut <= MOST_CUT + MOST_CUT_A_FACE * len(mesh.faces):
+        return
+    ratio = mesh.diagonal / original.diagonal
+    if ratio > 2:
+        raise Wm3dError(
+            f"{mesh.name}: is {ratio:,.0f} times as large as {original.name}; bring them to one unit."
+        )
+    raise Wm3dError(
+        f"{mesh.name}: its surface is too folded to be measured, in some {cut:.0e} cells of {SPACING:.0%} of "
+        "the diagonal; smooth it first."
+    )
 
 
 def _check_area(*meshes: Mesh) -> None:

@@ -3,6 +3,8 @@
 One thread each. Points and triangles are in units of the size of the mesh. Numpy twins stand in the tests.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -11,6 +13,9 @@ from wm3d.metrics.surface.tree.kernels import Vector, nearest_on_triangle
 
 STACK = 128
 """Triangles that wait while one is bisected: 2^-64 of an edge is below the rounding of its ends."""
+
+NEEDLE = math.log2(3)
+"""Power of its length with which the cells of a triangle without area grow: three times as many at double."""
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -42,6 +47,27 @@ def cells(corners: FloatArray, spacing: float) -> tuple[FloatArray, IntArray]:
             count += 1
             height -= 1
     return found[:count].copy().reshape((count, 3, 3)), parent[:count].copy()
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def cells_cut(corners: FloatArray, spacing: float) -> float:
+    """About how many `cells` those triangles (m, 3, 3) make that have an edge longer than `spacing`.
+
+    By the area, of which no cell has more than an equilateral one, and by the longest edge if they are slim.
+    """
+    count = 0.0
+    for f in range(len(corners)):
+        longest = 0.0
+        for k in range(3):
+            x, y, z = _offset(corners[f, k], corners[f, k - 1])
+            longest = max(longest, np.sqrt(x * x + y * y + z * z))
+        if longest > spacing:
+            ux, uy, uz = _offset(corners[f, 1], corners[f, 0])
+            wx, wy, wz = _offset(corners[f, 2], corners[f, 0])
+            x, y, z = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
+            area = np.sqrt(x * x + y * y + z * z) / 2.0
+            count += max((longest / spacing) ** NEEDLE, area / (np.sqrt(3.0) / 4.0 * spacing * spacing))
+    return count
 
 
 @njit(cache=True)
