@@ -32,11 +32,14 @@ FAR_REACH = 1.0
 FLATTENING = 1e6
 """Condition of a pose from which it has no inverse to speak of."""
 
-SKETCH, SKETCH_ROUNDS, FINALISTS = 3, 15, 3
-"""Turned starts are tried on one landmark in so many, for so many rounds; the best few are fitted in full."""
+SKETCH, SKETCH_ROUNDS = 3, 15
+"""Turned starts are tried on one landmark in so many, for so many rounds."""
 
 BATCH, CLEAR = 16, 0.4
-"""Turned starts are tried so many at a time, until one meets this share of the landmarks."""
+"""They are tried so many at a time, until one meets this share of the landmarks."""
+
+FINALISTS, MOST_FINALISTS = 3, 16
+"""The best few are fitted in full; more, one after the other, as long as none meets that share."""
 
 
 def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) -> Fit:
@@ -64,7 +67,7 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
         if fits[-1].share >= CERTAIN:
             return fits[-1]
     if not fits or _best(fits).share < SURE:
-        fits += [_best(_bent(surface, landmarks, start)) for start in _searched(surface, landmarks)]
+        fits += _searched(surface, landmarks)
     return _best(fits)
 
 
@@ -82,12 +85,23 @@ def _best(fits: list[Fit]) -> Fit:
     return best
 
 
-def _searched(surface: Surface, landmarks: Landmarks) -> list[Warp]:
-    """Return the best of the fits from turned starts, the very best first."""
+def _searched(surface: Surface, landmarks: Landmarks) -> list[Fit]:
+    """Return the fits from the turned starts that a sketch of the landmarks likes best, those first."""
     sketch = landmarks.every(SKETCH)
-    fits: list[Fit] = []
+    sketched: list[Fit] = []
     for number, start in enumerate(turned_starts(surface, landmarks)):
-        if number % BATCH == 0 and any(fit.share >= CLEAR for fit in fits):
+        if number % BATCH == 0 and _clear(sketched):
             break
-        fits.append(fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS))
-    return [fit.warp for fit in sorted(fits, key=lambda fit: -fit.share)[:FINALISTS]]
+        sketched.append(
+            fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
+        )
+    fits: list[Fit] = []
+    for start in sorted(sketched, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
+        if len(fits) >= FINALISTS and _clear(fits):
+            break
+        fits.append(_best(_bent(surface, landmarks, start.warp)))
+    return fits
+
+
+def _clear(fits: list[Fit]) -> bool:
+    return any(fit.share >= CLEAR for fit in fits)
