@@ -96,10 +96,10 @@ def _searched(surface: Surface, landmarks: Landmarks) -> list[Fit]:
             fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
         )
     fits: list[Fit] = []
-    for start in sorted(sketched, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
+    for best in sorted(sketched, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
         if len(fits) >= FINALISTS and _clear(fits):
             break
-        fits.append(_best(_bent(surface, landmarks, start.warp)))
+        fits.append(_best(_bent(surface, landmarks, best.warp)))
     return fits
 
 
