@@ -11,9 +11,9 @@ import pytest
 from joblib import parallel_config
 from shapes import blob
 
+from wm3d import component as component_module
 from wm3d.attacks import Clean, Simplify
 from wm3d.bench import execute as execute_module
-from wm3d.bench import plan as plan_module
 from wm3d.bench.execute import execute
 from wm3d.bench.plan import Task, TrialCell
 from wm3d.bench.worker import work
@@ -80,7 +80,7 @@ def test_a_worker_with_other_engines_is_refused(monkeypatch):
     planned = task(Simplify())
     (cell,) = planned.cells
     assert len(cell.digest) == 20  # names the versions of here and now
-    monkeypatch.setattr(plan_module, "version", lambda _: "0.0")
+    monkeypatch.setattr(component_module, "version", lambda _: "0.0")
     with pytest.raises(Wm3dError, match=r"a worker runs other versions .*'fast-simplification': '0\.0'"):
         work(MESHES, planned)
 
