@@ -86,10 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail("not enough memory; use a smaller grid, mesh or number of workers.")
     except OSError as error:
         return _fail(f"{error.filename or 'a file'}: cannot be used ({error.strerror or error}).")
-    except (
-        Exception
-    ):  # whatever it is, the interpreter would exit with 1, and `detect` means "no mark" by that
-        traceback.print_exc()
+    except Exception:
+        traceback.print_exc()  # the interpreter would exit with 1, and `detect` means "no mark" by that
         return CRASH
     return status if isinstance(status, int) else 0
 
