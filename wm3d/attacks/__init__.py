@@ -5,6 +5,7 @@ from wm3d.attacks.chain import Chain
 from wm3d.attacks.cropping import Crop, HalfSpaceCrop
 from wm3d.attacks.deformation import Bend, Shear, Stretch, Twist
 from wm3d.attacks.exchange import Draco, RoundTrip, Weld
+from wm3d.attacks.faces import DropFaces, FlipFaces, RepeatFaces
 from wm3d.attacks.links import BUILTIN
 from wm3d.attacks.marking import Collusion, Remark
 from wm3d.attacks.noise import GaussianNoise, Noise, UniformNoise
@@ -31,6 +32,8 @@ __all__ = [
     "Collusion",
     "Crop",
     "Draco",
+    "DropFaces",
+    "FlipFaces",
     "Float32",
     "GaussianNoise",
     "HalfSpaceCrop",
@@ -44,6 +47,7 @@ __all__ = [
     "Quantize",
     "Remark",
     "Reorder",
+    "RepeatFaces",
     "RoundTrip",
     "ScreenedPoisson",
     "Shear",

@@ -4,6 +4,7 @@ from wm3d.attacks.base import Attack, Clean
 from wm3d.attacks.cropping import Crop, HalfSpaceCrop
 from wm3d.attacks.deformation import Bend, Shear, Stretch, Twist
 from wm3d.attacks.exchange import Draco, RoundTrip, Weld
+from wm3d.attacks.faces import DropFaces, FlipFaces, RepeatFaces
 from wm3d.attacks.marking import Collusion, Remark
 from wm3d.attacks.noise import GaussianNoise, UniformNoise
 from wm3d.attacks.order import Reorder
@@ -39,6 +40,9 @@ BUILTIN: tuple[type[Attack], ...] = (
     Bend,
     Twist,
     Reorder,
+    DropFaces,
+    FlipFaces,
+    RepeatFaces,
     Float32,
     RoundTrip,
     Weld,

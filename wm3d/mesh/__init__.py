@@ -2,7 +2,6 @@
 
 from wm3d.mesh import datasets
 from wm3d.mesh.files import Secret, check_target, write_together, write_whole
-from wm3d.mesh.flaps import without_flaps
 from wm3d.mesh.io import ENDINGS, decode_mesh, encode_mesh, load_mesh, save_mesh
 from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.moments import (
@@ -18,6 +17,7 @@ from wm3d.mesh.moments import (
 )
 from wm3d.mesh.normals import vertex_normals
 from wm3d.mesh.places import places
+from wm3d.mesh.repair import whole_surface
 from wm3d.mesh.sampling import surface_points
 from wm3d.mesh.solid import SolidMoments, solid_moments, whitening
 
@@ -46,7 +46,7 @@ __all__ = [
     "vertex_normals",
     "volume_moments",
     "whitening",
-    "without_flaps",
+    "whole_surface",
     "write_together",
     "write_whole",
 ]

@@ -17,11 +17,16 @@ class Places(NamedTuple):
 
 
 def places(vertices: FloatArray) -> Places:
-    """Return which of (n, 3) vertices have the same coordinates.
+    """Return which of (n, 3) vertices have the same coordinates."""
+    _, first, place = np.unique(marks(vertices), return_index=True, return_inverse=True)
+    return Places(first, place)
+
+
+def marks(vertices: FloatArray) -> FloatArray:
+    """Return a number for each of (n, 3) vertices, the same for those that have the same coordinates.
 
     Equal coordinates have equal dot products with any direction, and others differ for one chosen at random.
     """
     x, y, z = _DIRECTION
-    along = vertices[:, 0] * x + vertices[:, 1] * y + vertices[:, 2] * z
-    _, first, place = np.unique(along, return_index=True, return_inverse=True)
-    return Places(first, place)
+    along: FloatArray = vertices[:, 0] * x + vertices[:, 1] * y + vertices[:, 2] * z
+    return along

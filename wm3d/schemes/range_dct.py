@@ -9,7 +9,7 @@ from wm3d.arrays import FloatArray, SignArray
 from wm3d.errors import Wm3dError
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
-from wm3d.mesh import Mesh, SolidMoments, solid_moments, without_flaps
+from wm3d.mesh import Mesh, SolidMoments, solid_moments, whole_surface
 from wm3d.mesh.solid import ENTRIES
 from wm3d.scanner.affine import AffineFrame, fitted_frame
 from wm3d.scanner.denoise import denoised, whitened_area
@@ -105,7 +105,7 @@ class RangeDct(Scheme):
         What `embed` finds out of the mesh; detection needs it.
     """
 
-    version: ClassVar[int] = 4
+    version: ClassVar[int] = 5
 
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
@@ -145,12 +145,12 @@ class RangeDct(Scheme):
         return marked, self.model_copy(update={"reference": reference})
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
-        """Take off flaps, smooth crumples, pose, lay the surface over the landmarks, read the volume image.
+        """Mend the surface, smooth crumples, pose, lay the surface over the landmarks, read the volume image.
 
         See `Scheme.evidence`.
         """
         known = self._known
-        mesh = denoised(without_flaps(mesh), known.area)
+        mesh = denoised(whole_surface(mesh), known.area)
         frame = fitted_frame(mesh, SolidMoments.of_entries(known.moments))
         surface = Surface.of(mesh)
         found = registered(surface, Landmarks.decode(known.landmarks), known.poses(frame, surface))
@@ -171,7 +171,7 @@ class RangeDct(Scheme):
 def _reference(marked: Mesh, host: Host, signs: SignArray) -> Reference | None:
     """Measure what detection needs on the marked mesh; None if even there the mark is not found."""
     frame, layout = host.frame, host.layout
-    marked = without_flaps(marked)
+    marked = host.whole.with_vertices(marked.vertices)
     seen = layout.image(frame.posed(marked), marked)
     survives = host.mark.strength_of(block_dct(seen.volumes - host.image.volumes)[:, 1:], signs)
     if survives <= 0 or not ShapedDct.of(seen.volumes, seen.areas).evidence(survives).score(signs).detected():

@@ -11,7 +11,7 @@ from scipy.sparse import csc_array
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.imagemarks.blocks import BLOCK
 from wm3d.imagemarks.shaped_dct import ShapedDct
-from wm3d.mesh import Mesh, orientation, places, vertex_normals, without_flaps
+from wm3d.mesh import Mesh, orientation, places, vertex_normals, whole_surface
 from wm3d.scanner import kernels
 from wm3d.scanner.affine import AffineFrame, principal_frame
 from wm3d.scanner.volume import VolumeImage, volume_image, volume_jacobian
@@ -60,6 +60,8 @@ class Host(NamedTuple):
 
     Attributes
     ----------
+    whole : Mesh
+        `whole_surface` of the original.
     frame : AffineFrame
     layout : Layout
     image : VolumeImage
@@ -79,6 +81,7 @@ class Host(NamedTuple):
         How much a squared move there counts in the mean square move of the vertices that a face uses.
     """
 
+    whole: Mesh
     frame: AffineFrame
     layout: Layout
     image: VolumeImage
@@ -104,14 +107,14 @@ class Host(NamedTuple):
 @lru_cache(maxsize=1)
 def host_of(mesh: Mesh, blocks: int | None) -> Host:
     """Pose a mesh and lay about so many blocks around it; by default as many as its vertices can carry."""
-    whole = without_flaps(mesh)  # as it will be read; the vertices are the same
+    whole = whole_surface(mesh)  # as it will be read; the vertices are the same
     frame = principal_frame(whole)
     posed = frame.posed(mesh)
     first, place = places(posed)
     counted = place[mesh.used]
     vertices = np.bincount(counted, minlength=len(first))  # of the faces, in each place
     layout = Layout.around(posed, whole, laid(blocks, int(np.count_nonzero(vertices))))
-    directions = _directions(posed, mesh)[first]
+    directions = _directions(posed, whole)[first]
     places_posed, faces = posed[first], place[whole.faces]
     turned = kernels.to_frame(directions, np.zeros(3), frame.matrix)
     with ThreadPoolExecutor(1) as beside:  # neither kernel holds the GIL
@@ -119,6 +122,7 @@ def host_of(mesh: Mesh, blocks: int | None) -> Host:
         image = layout.image(posed, whole)
         mark = ShapedDct.of(image.volumes, image.areas)
     return Host(
+        whole=whole,
         frame=frame,
         layout=layout,
         image=image,

@@ -3,9 +3,7 @@
 import numpy as np
 
 from wm3d.arrays import IntArray
-from wm3d.mesh.mesh import Mesh
-from wm3d.mesh.moments import is_balanced
-from wm3d.mesh.places import places
+from wm3d.mesh.repair.sides import Sides
 
 SIDES, SHARED = 3, 2
 """Of a face, and faces at an edge of a surface that is whole."""
@@ -17,8 +15,8 @@ MOST = 0.5
 """Share of the faces from which they are not flaps but a soup."""
 
 
-def without_flaps(mesh: Mesh) -> Mesh:
-    """Return the mesh without its flaps; the same object if it has none.
+def flap_turns(sides: Sides) -> IntArray:
+    """Return 1 for faces that stay as they are, 0 for flaps, −1 for those that are turned over: (m,).
 
     Where a simplifier folds a thin part flat, faces lie on each other, and one that drops repeated faces
     leaves a single one, with the solid on neither side or on the wrong one. No ray minds, but an integral
@@ -27,35 +25,10 @@ def without_flaps(mesh: Mesh) -> Mesh:
     than fall out of it. One whose edges all want a face of the other winding is turned over instead. The
     rim of an open mesh stays: a flap hangs at an edge of three faces or more, or at another flap.
 
-    Vertices in one place count as one; a soup of faces that hang together nowhere has no flaps.
+    A soup of faces that hang together nowhere has no flaps.
     """
-    if is_balanced(mesh):
-        return mesh
-    place = places(mesh.vertices).place
-    start = place[mesh.faces]
-    end = start[:, [1, 2, 0]]
-    low, high = np.minimum(start, end), np.maximum(start, end)
-    _, edges = np.unique(low * len(place) + high, return_inverse=True)
-    turns = _turns(edges.reshape(-1, 3), np.sign(end - start))
-    kept = turns != 0
-    if (turns == 1).all() or not kept.any():
-        return mesh
-    faces = np.where((turns < 0)[:, None], mesh.faces[:, ::-1], mesh.faces)
-    return Mesh(mesh.vertices, faces[kept], mesh.name)
-
-
-def _turns(edges: IntArray, direction: IntArray) -> IntArray:
-    """Return 1 for faces that stay as they are, 0 for flaps, −1 for those that are turned over: (m,).
-
-    Parameters
-    ----------
-    edges : (m, 3) ndarray
-        The edge along each side of each face.
-    direction : (m, 3) ndarray
-        ±1, the way in which the face runs through it; 0 where the side is a point.
-    """
-    uses = np.bincount(edges.ravel())
-    net = np.bincount(edges.ravel(), direction.ravel()).astype(np.int64)
+    edges, direction = sides.edges, sides.direction
+    uses, net = sides.uses, sides.net
     turns = np.ones(len(edges), dtype=np.int64)
     while True:
         excess = (net[edges] * direction > 0) & (turns == 1)[:, None]
@@ -75,4 +48,4 @@ def _turns(edges: IntArray, direction: IntArray) -> IntArray:
             net[its] -= (2 if over else 1) * way
             uses[its] -= 0 if over else 1
         if not changed:
-            return turns
+            return turns if turns.any() else np.ones_like(turns)

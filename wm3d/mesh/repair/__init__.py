@@ -1,0 +1,5 @@
+"""What a broken mesh means: its surface, of single faces wound alike, without flaps and small holes."""
+
+from wm3d.mesh.repair.whole import whole_surface
+
+__all__ = ["whole_surface"]

@@ -1,0 +1,80 @@
+"""Numba kernels of the repair: what tells faces apart, and the triangles that cover holes."""
+
+import numpy as np
+from numba import njit
+
+from wm3d.arrays import FloatArray, IntArray
+
+
+@njit(cache=True)
+def face_keys(marks: FloatArray, faces: IntArray) -> IntArray:
+    """Hash what each face spans: (m,), the same for faces of the same corners in any order.
+
+    Faces that are a line or a point get a key of their own. Others that differ have the same one with a
+    chance of 2⁻⁶⁴ a pair.
+
+    Parameters
+    ----------
+    marks : (n,) ndarray
+        A number for each vertex, the same in the same place.
+    faces : (m, 3) ndarray
+    """
+    bits = marks.view(np.uint64)
+    keys = np.empty(faces.shape[0], np.uint64)
+    for f in range(faces.shape[0]):
+        a, b, c = bits[faces[f, 0]], bits[faces[f, 1]], bits[faces[f, 2]]
+        if a == b or b == c or c == a:
+            keys[f] = _mixed(np.uint64(f) ^ np.uint64(0x9E3779B97F4A7C15))
+        else:
+            keys[f] = _mixed(_mixed(a) + _mixed(b) + _mixed(c))
+    return keys.view(np.int64)
+
+
+@njit(cache=True)
+def hole_caps(end: IntArray, first: IntArray, most: int) -> IntArray:
+    """Cover the loops of a rim by fans of triangles, wound against it: (k, 3) places.
+
+    From each place along the rim until a place is reached again: the loop since then is cut off and covered,
+    if it has no more than so many sides.
+
+    Parameters
+    ----------
+    end : (r,) ndarray
+        Where each directed side of the rim leads, those that leave the same place one after the other. As
+        many lead to a place as leave it.
+    first : (p + 1,) ndarray
+        The first side that leaves each place.
+    most : int
+    """
+    waiting = first[:-1].copy()  # the next side to leave each place by
+    step = np.full(len(waiting), -1)  # at which step of the path a place was reached, if it lies on it
+    path = np.empty(len(end) + 1, np.int64)
+    caps = np.empty((len(end), 3), np.int64)
+    count = 0
+    for origin in range(len(waiting)):
+        last, path[0], step[origin] = 0, origin, 0
+        while waiting[path[last]] < first[path[last] + 1]:
+            reached = end[waiting[path[last]]]
+            waiting[path[last]] += 1
+            if step[reached] < 0:
+                last += 1
+                path[last], step[reached] = reached, last
+                continue
+            begin = step[reached]
+            if last - begin < most:
+                for k in range(begin + 1, last):
+                    caps[count] = path[begin], path[k + 1], path[k]
+                    count += 1
+            for k in range(begin + 1, last + 1):
+                step[path[k]] = -1
+            last = begin
+        step[origin] = -1
+    return caps[:count]
+
+
+@njit(cache=True)
+def _mixed(key: np.uint64) -> np.uint64:
+    """Mix the bits of a number (splitmix64, Steele, Lea & Flood 2014)."""
+    key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return key ^ (key >> np.uint64(31))
