@@ -8,8 +8,8 @@ from wm3d.mesh.places import marks
 from wm3d.mesh.repair.kernels import face_keys
 
 DOUBLED = 0.1
-"""Share of the faces that lie on others from which each counts once. Simplifiers leave up to 0.03, folds whose
-two sides cancel."""
+"""Share of the faces that lie on others from which each counts once. Simplifiers leave up to 0.03, folds
+whose two sides cancel."""
 
 
 def is_doubled(mesh: Mesh) -> bool:
