@@ -22,6 +22,7 @@ from wm3d.attacks import (
     Bend,
     Chain,
     Crop,
+    DropFaces,
     HalfSpaceCrop,
     Owner,
     Pedestal,
@@ -53,6 +54,7 @@ STRONGEST: dict[str, Attack] = {
     "subdivide-sqrt3": Subdivide(rule="sqrt3"),
     "simplify": Simplify(ratio=0.025, simplifier="pymeshlab-quadric"),
     "crop": Crop(percent=50),
+    "drop-faces": DropFaces(percent=20),
     "pedestal": Pedestal(axis="y"),
     # the pictures look along z, which is the default axis of the deformations
     "stretch": Stretch(axis="y"),

@@ -2,7 +2,8 @@
 
     WM3D_DATA=folder-with-the-meshes python experiments/range_dct.py [--trials N] [--report-only]
 
-What an earlier call has run is kept; more trials add to it. The ablation is `experiments/ablation.py`.
+What an earlier call has run is kept; more trials add to it. Tables of which the runs are gone stay as they are.
+The ablation is `experiments/ablation.py`.
 """
 
 import argparse
@@ -21,7 +22,7 @@ from wm3d.mesh import write_whole
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = {
     name: ROOT / "configs" / "range_dct" / f"{name}.yaml"
-    for name in ("paper_attacks", "other_attacks", "blocks", "distortion", "nulls")
+    for name in ("paper_attacks", "other_attacks", "broken_meshes", "blocks", "distortion", "nulls")
 }
 RESULTS = RunDirectory(ROOT / "results" / "range_dct")
 TEMPLATE = Path(__file__).with_name("range_dct_readme.md.j2")
@@ -46,25 +47,30 @@ def write_results(runs: Path) -> None:
     """Write results/range_dct from the run directories as they are."""
     for folder in ("tables", "figures"):
         (RESULTS.path / folder).mkdir(parents=True, exist_ok=True)
-    tables = {}
+    tables = {file.stem: read(file) for file in sorted((RESULTS.path / "tables").glob("*.csv"))}
     for name in CONFIGS:
         table = runs / name / "tables" / "detection.csv"
         if table.exists():
-            detection = pd.read_csv(table)
+            detection = read(table)
             tables[name] = detection[[column for column in KEPT if column in detection]]
         image = runs / name / "figures" / "heatmap.png"
         if image.exists():
             shutil.copyfile(image, RESULTS.path / "figures" / f"{name}.png")
-    if "distortion" in tables:
+    if (runs / "distortion").exists():
         tables["distortion"] = distortion(runs / "distortion")
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
-    if "nulls" in tables:
-        tables["nulls"] = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv")
-        tables["random_keys"] = counted(pd.read_csv(runs / "nulls" / "tables" / "false_alarms.csv"))
+    if (runs / "nulls").exists():
+        tables["nulls"] = read(runs / "nulls" / "tables" / "nulls.csv")
+        tables["random_keys"] = counted(read(runs / "nulls" / "tables" / "false_alarms.csv"))
     tables["beside_song2002"] = ratios(tables)
     RESULTS.write_tables(tables)
     write_whole(RESULTS.path / "README.md", page(tables).encode())
+
+
+def read(file: Path) -> pd.DataFrame:
+    """Read a table without changing a digit, so that writing it again changes nothing."""
+    return pd.read_csv(file, float_precision="round_trip")
 
 
 def ratios(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
@@ -101,6 +107,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
             ratios=tables["beside_song2002"].to_dict("records"),
             other=pivot(tables["other_attacks"]) if "other_attacks" in tables else {},
+            broken=pivot(tables["broken_meshes"]) if "broken_meshes" in tables else {},
             blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],

@@ -66,8 +66,15 @@ def test_volume_image_comes_nearer_to_that_of_the_clean_mesh():
 
 
 def test_smoothing_ends_where_it_cannot_succeed():
-    result = denoised(MESH, 1e-3 * AREA)
-    np.testing.assert_array_equal(result.vertices, smoothed(MESH, MOST_STEPS).vertices)
+    result = denoised(noisy(6.0), 1e-3 * AREA)
+    np.testing.assert_array_equal(result.vertices, smoothed(noisy(6.0), MOST_STEPS).vertices)
+
+
+def test_a_smooth_surface_that_is_there_twice_is_not_smoothed():
+    n = len(MESH.vertices)
+    beside = Mesh(np.vstack([MESH.vertices, MESH.vertices + 1e-9]), np.vstack([MESH.faces, MESH.faces + n]))
+    assert whitened_area(beside) == pytest.approx(2 * AREA, rel=1e-6)
+    assert denoised(beside, AREA) is beside
 
 
 def test_mesh_without_a_volume_is_refused():

@@ -16,6 +16,10 @@ STEP = 0.3
 
 MOST_STEPS = 60
 
+CREASED = 0.9
+"""Share of its area that a surface keeps in the first step, from which what it has too much is no crumples but
+another sheet: noise leaves at most 0.75, a surface stored twice keeps 0.96."""
+
 
 def whitened_area(mesh: Mesh) -> float:
     """Return the surface area in the coordinates in which the solid's second moments are a unit matrix.
@@ -32,6 +36,8 @@ def whitened_area(mesh: Mesh) -> float:
 
 def denoised(mesh: Mesh, area: float) -> Mesh:
     """Return the mesh, smoothed until its whitened area is no more than `CRUMPLED` times what it was.
+
+    As it is, if the area is no larger or smoothing takes next to nothing of it away (`CREASED`).
 
     Noise on the coordinates that is as large as the edges folds the surface over; its area then grows with
     the square of the noise, and the error of the volume behind a cell with higher powers of it. A few steps
@@ -50,13 +56,17 @@ def denoised(mesh: Mesh, area: float) -> Mesh:
         If the mesh encloses no volume.
     """
     whitener = _whitener(mesh)
-    if _area(mesh.vertices, mesh, whitener) <= CRUMPLED * area:
+    before = _area(mesh.vertices, mesh, whitener)
+    if before <= CRUMPLED * area:
         return mesh
     first, place = places(mesh.vertices)
     vertices, faces = mesh.vertices[first], place[mesh.faces]
-    for _ in range(MOST_STEPS):
+    for step in range(MOST_STEPS):
         vertices = umbrella_step(vertices, faces, STEP)
-        if _area(vertices[place], mesh, whitener) <= CRUMPLED * area:
+        smoothed = _area(vertices[place], mesh, whitener)
+        if step == 0 and smoothed > CREASED * before:
+            return mesh
+        if smoothed <= CRUMPLED * area:
             break
     return mesh.with_vertices(vertices[place])
 
