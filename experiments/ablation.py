@@ -42,11 +42,16 @@ ATTACKED: list[tuple[str, dict[str, Any]]] = [
 TABLE = Path(__file__).resolve().parent.parent / "results" / "range_dct" / "ablation.csv"
 
 
-def pca_frame(mesh: Mesh, _reference: SolidMoments | None = None) -> AffineFrame:
+def pca_frame(mesh: Mesh) -> AffineFrame:
     """Return the paper's pose, `VertexPca`, in the unit of its own vertices."""
     cylinder = VertexPca()(mesh)
     size = math.sqrt(((mesh.vertices - mesh.vertices.mean(axis=0)) ** 2).sum(axis=1).mean())
     return AffineFrame(cylinder.center, cylinder.axes / size)
+
+
+def in_pca_frame(mesh: Mesh, _reference: SolidMoments) -> tuple[Mesh, AffineFrame]:
+    """Return a mesh and its `pca_frame`."""
+    return mesh, pca_frame(mesh)
 
 
 def pose_alone(_surface: Surface, _landmarks: Landmarks, poses: tuple[Warp, Warp]) -> Fit:
@@ -90,7 +95,7 @@ WITHOUT: dict[str, list[Any]] = {
     "landmarks and moments: vertex-PCA pose": [
         patch.object(range_dct, "registered", pose_alone),
         patch.object(volume_host, "principal_frame", pca_frame),
-        patch.object(range_dct, "fitted_frame", pca_frame),
+        patch.object(range_dct, "recognized", in_pca_frame),
     ],
     "volumes and informed embedding: first surface of one ray a cell": [
         patch.object(volume_host, "volume_image", first_surface),

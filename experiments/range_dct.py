@@ -2,8 +2,8 @@
 
     WM3D_DATA=folder-with-the-meshes python experiments/range_dct.py [--trials N] [--report-only]
 
-What an earlier call has run is kept; more trials add to it. Tables of which the runs are gone stay as they are.
-The ablation is `experiments/ablation.py`.
+What an earlier call has run is kept; more trials add to it. Tables whose runs are gone stay as they are. The
+ablation is `experiments/ablation.py`.
 """
 
 import argparse

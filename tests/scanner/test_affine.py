@@ -5,10 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 from shapes import blob, box, icosphere, inside_out, rotation, tetrahedron, uv_cylinder
 
-from wm3d.attacks import GaussianNoise, Simplify
+from wm3d.attacks import Bend, Clean, Crop, GaussianNoise, Mirror, Simplify
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, SolidMoments, signed_volume, solid_moments
-from wm3d.scanner.affine import AGREEMENT, AffineFrame, fitted_frame, principal_frame
+from wm3d.scanner.affine import AGREEMENT, AffineFrame, fitted_frame, principal_frame, recognized
 from wm3d.scanner.turns import TURNS, turns
 
 MESH = blob(0, 4)
@@ -50,7 +50,7 @@ def test_posed_vertices_are_the_map_of_the_mesh():
 def test_frame_is_exact_under_linear_maps(seed):
     matrix = linear_map(seed)
     moved = MESH.with_vertices(MESH.vertices @ matrix.T)
-    frame = fitted_frame(moved, REFERENCE)
+    frame = fitted_frame(moved, REFERENCE).frame
     assert apart(frame, moved) < 1e-9
     np.testing.assert_allclose(frame.matrix @ matrix, FRAME.matrix, atol=1e-9)
 
@@ -58,29 +58,52 @@ def test_frame_is_exact_under_linear_maps(seed):
 @pytest.mark.parametrize("scale", [0.1, 1.0, 10.0])
 def test_frame_is_exact_under_similarities(scale):
     moved = MESH.with_vertices(scale * MESH.vertices @ rotation(9).T + [50, -70, 20])
-    assert apart(fitted_frame(moved, REFERENCE), moved) < 1e-9
+    assert apart(fitted_frame(moved, REFERENCE).frame, moved) < 1e-9
 
 
 def test_winding_does_not_matter():
     inward = inside_out(MESH)
     np.testing.assert_allclose(principal_frame(inward).matrix, FRAME.matrix, atol=1e-12)
-    assert apart(fitted_frame(inward, REFERENCE), inward) < 1e-9
+    assert apart(fitted_frame(inward, REFERENCE).frame, inward) < 1e-9
 
 
 def test_moments_of_any_other_frame_can_be_the_reference():
     # nothing in the fit asks that the reference be principal
     matrix = -linear_map(3)
-    frame = fitted_frame(MESH, solid_moments(MESH).mapped(matrix))
+    frame = fitted_frame(MESH, solid_moments(MESH).mapped(matrix)).frame
     np.testing.assert_allclose(frame.matrix, matrix, atol=1e-9)
 
 
-def test_mirror_image_is_not_taken_for_the_mesh():
-    mirrored = MESH.with_vertices(MESH.vertices * [1, 1, -1])
-    frame = fitted_frame(mirrored, REFERENCE)
+def mirror_image(mesh: Mesh) -> Mesh:
+    return Mirror()(mesh, np.random.default_rng())
+
+
+def test_no_map_mirrors():
+    mirrored = mirror_image(MESH)
+    frame = fitted_frame(mirrored, REFERENCE).frame
     assert np.linalg.det(frame.matrix) < 0
     there = solid_moments(mirrored).mapped(frame.matrix).components()
     goal = REFERENCE.components()
     assert np.linalg.norm(there - goal) > 5 * AGREEMENT * np.linalg.norm(goal)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_mirror_image_is_recognized_and_posed_as_the_mesh_was(seed):
+    noisy = GaussianNoise(percent=0.6)(MESH, np.random.default_rng(seed))
+    moved = mirror_image(noisy.with_vertices(noisy.vertices @ linear_map(seed).T))
+    found, frame = recognized(moved, REFERENCE)
+    np.testing.assert_allclose(frame.posed(found), FRAME.posed(noisy), atol=0.05)
+
+
+@pytest.mark.parametrize(
+    "attack",
+    [Clean(), GaussianNoise(percent=1.0), Bend(degrees=20), Crop(percent=30)],
+    ids=lambda a: a.label(),
+)
+def test_mesh_that_is_no_mirror_image_is_not_taken_for_one(attack):
+    for seed in range(5):
+        mesh = attack(MESH, np.random.default_rng(seed))
+        assert recognized(mesh, REFERENCE)[0] is mesh
 
 
 @pytest.mark.parametrize(
@@ -90,7 +113,7 @@ def test_mirror_image_is_not_taken_for_the_mesh():
 )
 def test_frame_hardly_moves_with_what_the_solid_does_not_feel(attack, most):
     # the mesh is 3.4 units long, so that one of 64 cells along the axis has 0.053
-    frame = fitted_frame(attack(MESH, np.random.default_rng(1)), REFERENCE)
+    frame = fitted_frame(attack(MESH, np.random.default_rng(1)), REFERENCE).frame
     assert apart(frame, MESH) < most
 
 

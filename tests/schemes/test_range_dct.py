@@ -17,6 +17,7 @@ from wm3d.attacks import (
     FlipFaces,
     GaussianNoise,
     HalfSpaceCrop,
+    Mirror,
     Reorder,
     RepeatFaces,
     RoundTrip,
@@ -191,6 +192,7 @@ def test_reading_is_the_same_after_every_linear_map_and_in_every_order(attack, e
         (Bend(degrees=10), 0.9),
         (Twist(degrees=10), 0.9),
         (Chain(then=(Stretch(percent=20), Bend(degrees=15), Similarity())), 0.9),
+        (Chain(then=(Mirror(), GaussianNoise(percent=0.3), Similarity())), 0.7),
         (Crop(percent=10), 0.7),
         (Crop(percent=30), 0.6),
         (Chain(then=(Crop(percent=30), Similarity())), 0.6),
@@ -334,7 +336,7 @@ def test_reading_is_nearly_the_same_from_a_broken_file(broken, embedded, evidenc
     assert z == pytest.approx(evidence.score(scheme.signs(1)).z, rel=0.03)
 
 
-def test_an_original_whose_winding_says_nothing_is_marked_as_well(embedded, evidence):
+def test_an_original_whose_winding_says_nothing_is_marked_as_well(evidence):
     flipped = FlipFaces(percent=50)(MESH, np.random.default_rng(5))
     marked, scheme = SCHEME.embed(flipped, 1)
     np.testing.assert_array_equal(marked.faces, flipped.faces)

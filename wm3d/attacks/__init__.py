@@ -8,6 +8,7 @@ from wm3d.attacks.exchange import Draco, RoundTrip, Weld
 from wm3d.attacks.faces import DropFaces, FlipFaces, RepeatFaces
 from wm3d.attacks.links import BUILTIN
 from wm3d.attacks.marking import Collusion, Remark
+from wm3d.attacks.mirror import Mirror
 from wm3d.attacks.noise import GaussianNoise, Noise, UniformNoise
 from wm3d.attacks.order import Reorder
 from wm3d.attacks.pedestal import Pedestal
@@ -40,6 +41,7 @@ __all__ = [
     "IsotropicRemesh",
     "LaplacianSmoothing",
     "MarchingCubes",
+    "Mirror",
     "Noise",
     "Owner",
     "Pedestal",

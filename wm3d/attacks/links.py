@@ -6,6 +6,7 @@ from wm3d.attacks.deformation import Bend, Shear, Stretch, Twist
 from wm3d.attacks.exchange import Draco, RoundTrip, Weld
 from wm3d.attacks.faces import DropFaces, FlipFaces, RepeatFaces
 from wm3d.attacks.marking import Collusion, Remark
+from wm3d.attacks.mirror import Mirror
 from wm3d.attacks.noise import GaussianNoise, UniformNoise
 from wm3d.attacks.order import Reorder
 from wm3d.attacks.pedestal import Pedestal
@@ -35,6 +36,7 @@ BUILTIN: tuple[type[Attack], ...] = (
     HalfSpaceCrop,
     Pedestal,
     Similarity,
+    Mirror,
     Stretch,
     Shear,
     Bend,

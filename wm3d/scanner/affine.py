@@ -30,6 +30,11 @@ ELSEWHERE = 0.05
 """Least difference of an entry of two maps that lay the axes in another way."""
 
 
+MIRRORED = 0.5
+"""Misfit of the mirror image, over that of the mesh, below which the mesh is taken for a mirror image itself;
+where parts are cut off, which no linear map undoes, it is 0.67 or more."""
+
+
 @dataclass(frozen=True, eq=False)
 class AffineFrame:
     """Where a mesh lies in the frame of a scanner: x ↦ matrix (x − centroid).
@@ -79,10 +84,35 @@ def principal_frame(mesh: Mesh) -> AffineFrame:
     return AffineFrame(moments.centroid, matrix)
 
 
-def fitted_frame(mesh: Mesh, reference: SolidMoments) -> AffineFrame:
+class FittedFrame(NamedTuple):
+    """A frame, and how far it leaves the moments from the reference, over the norm of the reference."""
+
+    frame: AffineFrame
+    misfit: float
+
+
+def recognized(mesh: Mesh, reference: SolidMoments) -> tuple[Mesh, AffineFrame]:
+    """Return a mesh as it was when its moments were those given, and its frame: itself or its mirror image.
+
+    Raises
+    ------
+    Wm3dError
+        If the mesh encloses no volume.
+    """
+    fit = fitted_frame(mesh, reference)
+    if fit.misfit > AGREEMENT:
+        image = Mesh(mesh.vertices * [1.0, 1.0, -1.0], mesh.faces[:, ::-1], mesh.name)
+        mirrored = fitted_frame(image, reference)
+        if mirrored.misfit < MIRRORED * fit.misfit:
+            return image, mirrored.frame
+    return mesh, fit.frame
+
+
+def fitted_frame(mesh: Mesh, reference: SolidMoments) -> FittedFrame:
     """Return the frame in which the moments of a mesh come nearest to given ones, over all linear maps.
 
-    So a stretched or sheared mesh is scanned as it was. By least squares over the nine entries of the matrix.
+    So a stretched or sheared mesh is scanned as it was. By least squares over the nine entries of the matrix;
+    none of the maps mirrors.
 
     Raises
     ------
@@ -97,7 +127,7 @@ def fitted_frame(mesh: Mesh, reference: SolidMoments) -> AffineFrame:
         if best.misfit < AGREEMENT:
             break
     assert best is not None  # there is a start, whatever the mesh
-    return AffineFrame(moments.centroid, best.matrix)
+    return FittedFrame(AffineFrame(moments.centroid, best.matrix), best.misfit)
 
 
 class _Fit(NamedTuple):

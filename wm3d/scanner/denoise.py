@@ -17,8 +17,8 @@ STEP = 0.3
 MOST_STEPS = 60
 
 CREASED = 0.9
-"""Share of its area that a surface keeps in the first step, from which what it has too much is no crumples but
-another sheet: noise leaves at most 0.75, a surface stored twice keeps 0.96."""
+"""Share of its area that a surface keeps in the first step, above which it has no crumples but another sheet:
+noise leaves at most 0.75, a surface stored twice keeps 0.96."""
 
 
 def whitened_area(mesh: Mesh) -> float:

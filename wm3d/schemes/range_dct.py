@@ -11,7 +11,7 @@ from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
 from wm3d.mesh import Mesh, SolidMoments, solid_moments, whole_surface
 from wm3d.mesh.solid import ENTRIES
-from wm3d.scanner.affine import AffineFrame, fitted_frame
+from wm3d.scanner.affine import AffineFrame, recognized
 from wm3d.scanner.denoise import denoised, whitened_area
 from wm3d.scanner.registration import Landmarks, Surface, Warp, registered
 from wm3d.scanner.scan import MAX_GRID
@@ -151,7 +151,7 @@ class RangeDct(Scheme):
         """
         known = self._known
         mesh = denoised(whole_surface(mesh), known.area)
-        frame = fitted_frame(mesh, SolidMoments.of_entries(known.moments))
+        mesh, frame = recognized(mesh, SolidMoments.of_entries(known.moments))
         surface = Surface.of(mesh)
         found = registered(surface, Landmarks.decode(known.landmarks), known.poses(frame, surface))
         layout = Layout(known.grid, known.hmin, known.height)
