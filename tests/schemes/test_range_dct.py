@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 from scipy.stats import kstest
-from shapes import blob, inside_out, rotation, soup
+from shapes import blob, fine_box, inside_out, rotation, soup
 
 from wm3d.attacks import (
     Attack,
@@ -341,3 +341,13 @@ def test_an_original_whose_winding_says_nothing_is_marked_as_well(evidence):
     marked, scheme = SCHEME.embed(flipped, 1)
     np.testing.assert_array_equal(marked.faces, flipped.faces)
     assert scheme.score(marked, 1).z == pytest.approx(evidence.score(scheme.signs(1)).z, rel=0.05)
+
+
+def test_mark_of_a_symmetric_mesh_is_found_from_any_side():
+    marked, scheme = SCHEME.embed(fine_box(), 1)
+    assert scheme.reference.ways == 24
+    clean = scheme.score(marked, 1).z
+    assert clean > 10
+    for seed in range(4):
+        turned = Chain(then=(GaussianNoise(percent=0.2), Similarity()))(marked, np.random.default_rng(seed))
+        assert scheme.score(turned, 1).z > 0.8 * clean

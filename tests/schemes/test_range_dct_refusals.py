@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from shapes import blob, box, icosphere, inside_out, uv_cylinder
+from shapes import blob, box, fine_box, icosphere, inside_out, uv_cylinder
 
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
-from wm3d.schemes import SCHEMES
+from wm3d.schemes import SCHEMES, RangeDct
 
 SCHEME = SCHEMES.build("range-dct", {})
 MESH = blob(0, 4)
@@ -31,9 +31,9 @@ SHEET = Mesh([[0, 0, 0], [5, 0, 0], [5, 3, 0], [0, 2, 0]], [[0, 1, 2], [0, 2, 3]
     ("mesh", "sentence"),
     [
         (SHEET, "its faces enclose no volume"),
-        (icosphere(3), "looks the same, or nearly, from another side"),
-        (box((3, 2, 1)), "looks the same, or nearly, from another side"),
-        (uv_cylinder(1, 5, 32, 4), "looks the same, or nearly, from another side"),
+        (icosphere(3), "looks the same, or nearly, from all sides or all around"),
+        (uv_cylinder(1, 5, 32, 4), "looks the same, or nearly, from all sides or all around"),
+        (box((3, 2, 1)), "the mark cannot be read even from the marked mesh"),  # of eight vertices
     ],
     ids=lambda value: value.name if isinstance(value, Mesh) else "",
 )
@@ -41,6 +41,13 @@ def test_mesh_that_cannot_carry_the_mark_is_refused(mesh, sentence):
     with pytest.raises(Wm3dError, match=f"^{mesh.name}: {sentence}") as refusal:
         SCHEME.embed(mesh, 1)
     assert "\n" not in str(refusal.value)
+
+
+def test_symmetric_mesh_is_refused_where_the_mark_is_too_faint_to_tell_its_sides_apart():
+    with pytest.raises(
+        Wm3dError, match=r"^box: looks the same, or nearly, from 24 sides, and a mark of alpha"
+    ):
+        RangeDct(alpha=0.02).embed(fine_box(), 1)
 
 
 def test_sheet_cannot_be_read(embedded):

@@ -1,7 +1,7 @@
 """Moments up to order four of the solid that a surface bounds, as symmetric tensors."""
 
 import itertools
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -89,6 +89,7 @@ class SolidMoments(NamedTuple):
         return np.concatenate(values), np.concatenate(derivatives)
 
 
+@lru_cache(maxsize=1)  # a frame and the symmetries of a solid are asked for one after the other
 def solid_moments(mesh: Mesh) -> SolidMoments:
     """Return the moments of the solid that the faces enclose.
 

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from wm3d.arrays import FloatArray
-from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, SolidMoments, solid_moments, whitening
 from wm3d.scanner import kernels
 from wm3d.scanner.turns import TURNS, apart, turns
@@ -24,11 +23,16 @@ AGREEMENT = 1e-3
 """Misfit, relative to the moments themselves, at which a fit needs no further start."""
 
 AMBIGUITY = 1e-2
-"""Least misfit of every other way to lay the axes; attacks come near to it."""
+"""Misfit below which another way to lay the axes is taken for as good; attacks come near to it."""
 
 ELSEWHERE = 0.05
-"""Least difference of an entry of two maps that lay the axes in another way."""
+"""Least difference of an entry, relative to the axes, of two maps that lay the axes in another way."""
 
+MOST_WAYS = 24
+"""Most ways to lay a solid on itself: those of a box. A sphere or a cylinder has no end of them."""
+
+ALIKE_STARTS, ALIKE_PATIENCE = 2 * MOST_WAYS, 60
+"""How many starts are tried to find them all, and how many evaluations each is given."""
 
 MIRRORED = 0.5
 """Misfit of the mirror image, over that of the mesh, below which the mesh is taken for a mirror image itself;
@@ -60,28 +64,31 @@ class AffineFrame:
 def principal_frame(mesh: Mesh) -> AffineFrame:
     """Return the frame of a solid's own principal axes, the longest first.
 
-    Which way the axes point does not matter to those who keep the moments: `fitted_frame` finds it again.
+    Which way the axes point does not matter to those who keep the moments: `recognized` finds it again.
 
     Raises
     ------
     Wm3dError
-        If the mesh encloses no volume, or another linear map leaves its moments as they are, or nearly, as
-        with a sphere, a box or a figure of two equal halves.
+        If the mesh encloses no volume.
     """
     moments = solid_moments(mesh)
     axes = np.linalg.eigh(moments.second)[1].T[::-1]
     if np.linalg.det(axes) > 0:
         axes[2] *= -1
-    matrix = axes / np.sqrt(np.trace(moments.second))
-    reference = moments.mapped(matrix)
-    others = (fit for fit in _fits(moments, reference) if not np.allclose(fit.matrix, matrix, atol=ELSEWHERE))
-    second_best = min((fit.misfit for fit in others), default=math.inf)
-    if second_best < AMBIGUITY:
-        raise Wm3dError(
-            f"{mesh.name}: looks the same, or nearly, from another side (its moments differ by "
-            f"{second_best:.1e} of themselves), so it has no unique axes and cannot carry this watermark."
-        )
-    return AffineFrame(moments.centroid, matrix)
+    return AffineFrame(moments.centroid, axes / np.sqrt(np.trace(moments.second)))
+
+
+def ways(mesh: Mesh, frame: AffineFrame) -> int:
+    """Count the linear maps that lay a solid on itself, or nearly: 1, unless it has a symmetry.
+
+    None of them mirrors. Where there are more than `MOST_WAYS` it counts some.
+    """
+    moments = solid_moments(mesh)
+    reference = moments.mapped(frame.matrix)
+    others = (fit for fit in _fits(moments, reference) if _apart(fit.matrix, frame.matrix))
+    if min((fit.misfit for fit in others), default=math.inf) >= AMBIGUITY:
+        return 1
+    return len(_alike(moments, reference))
 
 
 class FittedFrame(NamedTuple):
@@ -91,21 +98,33 @@ class FittedFrame(NamedTuple):
     misfit: float
 
 
-def recognized(mesh: Mesh, reference: SolidMoments) -> tuple[Mesh, AffineFrame]:
-    """Return a mesh as it was when its moments were those given, and its frame: itself or its mirror image.
+def recognized(mesh: Mesh, reference: SolidMoments, ways: int = 1) -> tuple[Mesh, list[AffineFrame]]:
+    """Return a mesh as it was when its moments were those given, and the frames in which it may lie.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        If it was mirrored, its mirror image is returned.
+    reference : SolidMoments
+    ways : int
+        In how many ways that solid can be laid on itself. With one there is one frame; with more, the moments
+        do not tell the right one, and whether a symmetric solid was mirrored is not asked.
 
     Raises
     ------
     Wm3dError
         If the mesh encloses no volume.
     """
+    if ways > 1:
+        moments = solid_moments(mesh)
+        return mesh, [AffineFrame(moments.centroid, fit.matrix) for fit in _alike(moments, reference)]
     fit = fitted_frame(mesh, reference)
     if fit.misfit > AGREEMENT:
         image = Mesh(mesh.vertices * [1.0, 1.0, -1.0], mesh.faces[:, ::-1], mesh.name)
         mirrored = fitted_frame(image, reference)
         if mirrored.misfit < MIRRORED * fit.misfit:
-            return image, mirrored.frame
-    return mesh, fit.frame
+            return image, [mirrored.frame]
+    return mesh, [fit.frame]
 
 
 def fitted_frame(mesh: Mesh, reference: SolidMoments) -> FittedFrame:
@@ -137,7 +156,25 @@ class _Fit(NamedTuple):
     misfit: float
 
 
-def _fits(moments: SolidMoments, reference: SolidMoments) -> Iterator[_Fit]:
+def _alike(moments: SolidMoments, reference: SolidMoments) -> list[_Fit]:
+    """Return the maps that meet the reference nearly as well as the best, which is the first."""
+    found: list[_Fit] = []
+    fits = sorted(_fits(moments, reference, ALIKE_STARTS, ALIKE_PATIENCE), key=lambda fit: fit.misfit)
+    for fit in fits:
+        alike = fit.misfit < max(AMBIGUITY, 2 * fits[0].misfit)
+        if alike and all(_apart(fit.matrix, other.matrix) for other in found):
+            found.append(fit)
+    return found
+
+
+def _apart(one: FloatArray, other: FloatArray) -> bool:
+    """Tell whether two maps lay the axes differently, whatever the unit of the mesh."""
+    return not np.allclose(one @ np.linalg.inv(other), np.eye(3), rtol=0, atol=ELSEWHERE)
+
+
+def _fits(
+    moments: SolidMoments, reference: SolidMoments, starts: int = STARTS, patience: int | None = None
+) -> Iterator[_Fit]:
     """Yield the maps to which least squares lead from each start.
 
     In coordinates in which the second moments of both are unit matrices: there the misfit does not depend on
@@ -157,19 +194,19 @@ def _fits(moments: SolidMoments, reference: SolidMoments) -> Iterator[_Fit]:
 
     # the frame is left-handed
     mirror = -float(np.sign(np.linalg.det(colour) * np.linalg.det(whiten)))
-    for start in _starts(here, goal, turns(TURNS) * [1.0, 1.0, mirror]):
-        fit = least_squares(residual, start.ravel(), jac=slopes, method="lm")
+    for start in _starts(here, goal, turns(TURNS) * [1.0, 1.0, mirror], starts):
+        fit = least_squares(residual, start.ravel(), jac=slopes, method="lm", max_nfev=patience)
         yield _Fit(colour @ fit.x.reshape(3, 3) @ whiten, math.sqrt(2 * fit.cost) / size)
 
 
-def _starts(here: SolidMoments, goal: SolidMoments, candidates: FloatArray) -> FloatArray:
+def _starts(here: SolidMoments, goal: SolidMoments, candidates: FloatArray, most: int) -> FloatArray:
     """Return the (k, 3, 3) turns under which the higher moments nearly agree, the best first."""
     misfit = sum(
         ((_turned(tensor, candidates) - aim) ** 2).reshape(len(candidates), -1).sum(axis=1)
         for tensor, aim in ((here.third, goal.third), (here.fourth, goal.fourth))
     )
     ordered = candidates[np.argsort(misfit, kind="stable")]
-    return ordered[apart(ordered, APART, STARTS)]
+    return ordered[apart(ordered, APART, most)]
 
 
 def _turned(tensor: FloatArray, turns: FloatArray) -> FloatArray:

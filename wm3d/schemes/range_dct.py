@@ -6,14 +6,15 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from wm3d.arrays import FloatArray, SignArray
+from wm3d.attacks import GaussianNoise, Similarity
 from wm3d.errors import Wm3dError
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
 from wm3d.mesh import Mesh, SolidMoments, solid_moments, whole_surface
 from wm3d.mesh.solid import ENTRIES
-from wm3d.scanner.affine import AffineFrame, recognized
+from wm3d.scanner.affine import MOST_WAYS, AffineFrame, recognized
 from wm3d.scanner.denoise import denoised, whitened_area
-from wm3d.scanner.registration import Landmarks, Surface, Warp, registered
+from wm3d.scanner.registration import Landmarks, Surface, Warp, nearest, registered
 from wm3d.scanner.scan import MAX_GRID
 from wm3d.schemes.base import Scheme
 from wm3d.schemes.informed import informed_moves
@@ -23,6 +24,9 @@ from wm3d.stats import RademacherSum, key_signs
 FARTHEST = 1e60
 """Bound of the entries of a stored pose, and 1 over it of its matrix: squares of the places that it leads to
 and comes from are finite, whatever the unit of the mesh."""
+
+TRIAL_NOISE = 0.1
+"""Noise, in percent of the diagonal, that the mark of a symmetric solid must bear to be worth anything."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -60,6 +64,8 @@ class Reference(BaseModel):
         Matrix and shift of the linear map that took the marked mesh into that frame.
     strength : float
         Amplitude of the mark that can be read back, in the unit of the frame.
+    ways : int
+        In how many ways the solid can be laid on itself, or nearly; more than 1 for a symmetric one.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -73,15 +79,17 @@ class Reference(BaseModel):
     landmarks: Annotated[str, AfterValidator(_checked_landmarks)]
     home: Annotated[tuple[Entry, ...], Field(min_length=12, max_length=12), AfterValidator(_checked_home)]
     strength: Annotated[float, Field(gt=0)]
+    ways: Annotated[int, Field(ge=1, le=MOST_WAYS)] = 1
 
-    def poses(self, frame: AffineFrame, surface: Surface) -> tuple[Warp, Warp]:
-        """Return the maps that lay a surface in the frame: as its moments say, and as if it never moved."""
-        middle, size = surface.middle, surface.size
-        by_moments = frame.matrix @ (middle - frame.centroid) + self.offset
+    def pose(self, frame: AffineFrame, surface: Surface) -> Warp:
+        """Return the map that lays a surface in the frame as its moments say."""
+        shift = frame.matrix @ (surface.middle - frame.centroid) + self.offset
+        return Warp.linear(surface.size * frame.matrix, shift)
+
+    def home_pose(self, surface: Surface) -> Warp:
+        """Return the map that lays a surface in the frame as if it never moved."""
         matrix, shift = np.reshape(self.home[:9], (3, 3)), np.array(self.home[9:])
-        return Warp.linear(size * frame.matrix, by_moments), Warp.linear(
-            size * matrix, matrix @ middle + shift
-        )
+        return Warp.linear(surface.size * matrix, matrix @ surface.middle + shift)
 
 
 class RangeDct(Scheme):
@@ -142,7 +150,19 @@ class RangeDct(Scheme):
                 f"{mesh.name}: the mark cannot be read even from the marked mesh; see that its faces are "
                 f"wound alike, or try fewer blocks than {laid} or a larger alpha than {self.alpha:g}."
             )
-        return marked, self.model_copy(update={"reference": reference})
+        scheme = self.model_copy(update={"reference": reference})
+        if host.ways > 1 and not scheme._tells_sides_apart(marked, seed):
+            raise Wm3dError(
+                f"{mesh.name}: looks the same, or nearly, from {host.ways} sides, and a mark of alpha "
+                f"{self.alpha:g} does not tell them apart; try a larger alpha, or another scheme."
+            )
+        return marked, scheme
+
+    def _tells_sides_apart(self, marked: Mesh, seed: int) -> bool:
+        """Tell whether a symmetric solid is found when it was turned and a little noise was added."""
+        rng = np.random.default_rng(0)
+        turned = Similarity()(GaussianNoise(percent=TRIAL_NOISE)(marked, rng), rng)
+        return self.score(turned, seed).detected()
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
         """Mend the surface, smooth crumples, pose, lay the surface over the landmarks, read the volume image.
@@ -151,9 +171,10 @@ class RangeDct(Scheme):
         """
         known = self._known
         mesh = denoised(whole_surface(mesh), known.area)
-        mesh, frame = recognized(mesh, SolidMoments.of_entries(known.moments))
-        surface = Surface.of(mesh)
-        found = registered(surface, Landmarks.decode(known.landmarks), known.poses(frame, surface))
+        mesh, frames = recognized(mesh, SolidMoments.of_entries(known.moments), known.ways)
+        surface, landmarks = Surface.of(mesh), Landmarks.decode(known.landmarks)
+        pose = nearest(surface, landmarks, [known.pose(frame, surface) for frame in frames])
+        found = registered(surface, landmarks, (pose, known.home_pose(surface)))
         layout = Layout(known.grid, known.hmin, known.height)
         image = layout.image(found.warp(surface.placed(mesh.vertices)), mesh)
         return ShapedDct.of(image.volumes, image.areas).evidence(known.strength)
@@ -189,6 +210,7 @@ def _reference(marked: Mesh, host: Host, signs: SignArray) -> Reference | None:
         landmarks=Landmarks.of(surface, pose).encode(),
         home=tuple(np.r_[frame.matrix.ravel(), -frame.matrix @ frame.centroid].tolist()),
         strength=survives,
+        ways=host.ways,
     )
 
 

@@ -9,11 +9,12 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.errors import Wm3dError
 from wm3d.imagemarks.blocks import BLOCK
 from wm3d.imagemarks.shaped_dct import ShapedDct
 from wm3d.mesh import Mesh, orientation, places, vertex_normals, whole_surface
 from wm3d.scanner import kernels
-from wm3d.scanner.affine import AffineFrame, principal_frame
+from wm3d.scanner.affine import MOST_WAYS, AffineFrame, principal_frame, ways
 from wm3d.scanner.volume import VolumeImage, volume_image, volume_jacobian
 from wm3d.schemes.movement import pooled
 
@@ -63,6 +64,8 @@ class Host(NamedTuple):
     whole : Mesh
         `whole_surface` of the original.
     frame : AffineFrame
+    ways : int
+        In how many ways the solid can be laid on itself.
     layout : Layout
     image : VolumeImage
     mark : ShapedDct
@@ -83,6 +86,7 @@ class Host(NamedTuple):
 
     whole: Mesh
     frame: AffineFrame
+    ways: int
     layout: Layout
     image: VolumeImage
     mark: ShapedDct
@@ -109,6 +113,12 @@ def host_of(mesh: Mesh, blocks: int | None) -> Host:
     """Pose a mesh and lay about so many blocks around it; by default as many as its vertices can carry."""
     whole = whole_surface(mesh)  # as it will be read; the vertices are the same
     frame = principal_frame(whole)
+    alike = ways(whole, frame)
+    if alike > MOST_WAYS:
+        raise Wm3dError(
+            f"{mesh.name}: looks the same, or nearly, from all sides or all around, so it has no axes to "
+            "read a mark by; try another scheme."
+        )
     posed = frame.posed(mesh)
     first, place = places(posed)
     counted = place[mesh.used]
@@ -124,6 +134,7 @@ def host_of(mesh: Mesh, blocks: int | None) -> Host:
     return Host(
         whole=whole,
         frame=frame,
+        ways=alike,
         layout=layout,
         image=image,
         mark=mark,

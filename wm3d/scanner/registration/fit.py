@@ -1,5 +1,6 @@
 """Fitting a warp: iterated closest points, from a surface to the tangent planes at landmarks."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -87,6 +88,22 @@ def share_met(surface: Surface, landmarks: Landmarks, warp: Warp, near: float = 
     """
     match = _match(surface, landmarks, warp, LAST_REACH)
     return float(np.mean(match.reached * np.clip(1 - (match.distance / near) ** 2, 0, None)))
+
+
+def nearest(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) -> Warp:
+    """Return the pose under which a surface lies nearest to the landmarks, where each may be the right one.
+
+    A symmetric solid can be laid in all of them. What it carries is not symmetric, and the landmarks lie on
+    what it carries: by root mean square, distances being counted up to `NEAR`.
+    """
+    if len(poses) == 1:
+        return poses[0]
+
+    def apart(pose: Warp) -> float:
+        match = _match(surface, landmarks, pose, LAST_REACH)
+        return float(np.mean(np.where(match.reached, np.minimum(np.abs(match.distance), NEAR), NEAR) ** 2))
+
+    return min(poses, key=apart)
 
 
 def _match(surface: Surface, landmarks: Landmarks, warp: Warp, reach: float) -> _Match:
