@@ -31,37 +31,42 @@ def face_keys(marks: FloatArray, faces: IntArray) -> IntArray:
 
 
 @njit(cache=True)
-def hole_caps(end: IntArray, first: IntArray, most: int) -> IntArray:
+def hole_caps(end: IntArray, length: FloatArray, first: IntArray, most: int, longest: float) -> IntArray:
     """Cover the loops of a rim by fans of triangles, wound against it: (k, 3) places.
 
     From each place along the rim until a place is reached again: the loop since then is cut off and covered,
-    if it has no more than so many sides.
+    if it has no more than so many sides and is no longer than that.
 
     Parameters
     ----------
     end : (r,) ndarray
         Where each directed side of the rim leads, those that leave the same place one after the other. As
         many lead to a place as leave it.
+    length : (r,) ndarray
+        Of those sides.
     first : (p + 1,) ndarray
         The first side that leaves each place.
     most : int
+    longest : float
     """
     waiting = first[:-1].copy()  # the next side to leave each place by
     step = np.full(len(waiting), -1)  # at which step of the path a place was reached, if it lies on it
     path = np.empty(len(end) + 1, np.int64)
+    gone = np.zeros(len(end) + 1)  # how long the path is up to each of its places
     caps = np.empty((len(end), 3), np.int64)
     count = 0
     for origin in range(len(waiting)):
         last, path[0], step[origin] = 0, origin, 0
         while waiting[path[last]] < first[path[last] + 1]:
-            reached = end[waiting[path[last]]]
+            side = waiting[path[last]]
             waiting[path[last]] += 1
+            reached, so_far = end[side], gone[last] + length[side]
             if step[reached] < 0:
                 last += 1
-                path[last], step[reached] = reached, last
+                path[last], step[reached], gone[last] = reached, last, so_far
                 continue
             begin = step[reached]
-            if last - begin < most:
+            if last - begin < most and so_far - gone[begin] <= longest:
                 for k in range(begin + 1, last):
                     caps[count] = path[begin], path[k + 1], path[k]
                     count += 1

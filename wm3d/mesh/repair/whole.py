@@ -29,7 +29,7 @@ def whole_surface(mesh: Mesh) -> Mesh:
     sides = Sides.of(place[faces])
     faces, sides = _turned(faces, sides, winding_turns(sides, _cones(mesh, faces)))
     faces, sides = _turned(faces, sides, flap_turns(sides))
-    covers = caps(sides)
+    covers = caps(sides, mesh.vertices[first])
     if len(covers):
         faces = np.vstack([faces, first[covers]])
     return mesh if faces is mesh.faces else Mesh(mesh.vertices, faces, mesh.name)
