@@ -7,8 +7,8 @@ from wm3d.mesh.repair.kernels import hole_caps
 from wm3d.mesh.repair.sides import Sides
 
 MOST_SIDES, LONGEST = 64, 1.0
-"""Sides of the largest hole that is covered, and its length over the diagonal of the mesh; the rim where a part
-was cut off has more."""
+"""Sides of the largest hole that is covered, and its length over the diagonal of the mesh; the rim where a
+part was cut off has more."""
 
 
 def caps(sides: Sides, points: FloatArray) -> IntArray:
