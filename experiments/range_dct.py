@@ -3,11 +3,10 @@
     WM3D_DATA=folder-with-the-meshes python experiments/range_dct.py [--trials N] [--report-only]
 
 What an earlier call has run is kept; more trials add to it. Tables whose runs are gone stay as they are. The
-ablation is `experiments/ablation.py`.
+ablation is `experiments/ablation.py`, other models are those of `experiments/other_models.py`.
 """
 
 import argparse
-import shutil
 from pathlib import Path
 
 import pandas as pd
@@ -16,8 +15,10 @@ from range_dct_distortion import AXES, curves, distortion, held
 
 from wm3d.bench import run_config
 from wm3d.bench.figures import save
+from wm3d.bench.heatmap import heatmap_figure
 from wm3d.bench.store import RunDirectory
-from wm3d.mesh import write_whole
+from wm3d.mesh import datasets, write_whole
+from wm3d.stats import DEFAULT_PF
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = {
@@ -25,6 +26,8 @@ CONFIGS = {
     for name in ("paper_attacks", "other_attacks", "broken_meshes", "blocks", "distortion", "nulls")
 }
 RESULTS = RunDirectory(ROOT / "results" / "range_dct")
+DRAWN = ("paper_attacks", "other_attacks", "broken_meshes")
+OTHER_MODELS = RESULTS.path / "other_models.csv"
 TEMPLATE = Path(__file__).with_name("range_dct_readme.md.j2")
 COUNTED_AT = (2.0, 3.0, 4.0)
 """z at which counted and exact false alarms stand side by side."""
@@ -47,30 +50,26 @@ def write_results(runs: Path) -> None:
     """Write results/range_dct from the run directories as they are."""
     for folder in ("tables", "figures"):
         (RESULTS.path / folder).mkdir(parents=True, exist_ok=True)
-    tables = {file.stem: read(file) for file in sorted((RESULTS.path / "tables").glob("*.csv"))}
+    tables = {file.stem: pd.read_csv(file) for file in sorted((RESULTS.path / "tables").glob("*.csv"))}
     for name in CONFIGS:
         table = runs / name / "tables" / "detection.csv"
         if table.exists():
-            detection = read(table)
+            detection = pd.read_csv(table)
             tables[name] = detection[[column for column in KEPT if column in detection]]
-        image = runs / name / "figures" / "heatmap.png"
-        if image.exists():
-            shutil.copyfile(image, RESULTS.path / "figures" / f"{name}.png")
     if (runs / "distortion").exists():
         tables["distortion"] = distortion(runs / "distortion")
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
     if (runs / "nulls").exists():
-        tables["nulls"] = read(runs / "nulls" / "tables" / "nulls.csv")
-        tables["random_keys"] = counted(read(runs / "nulls" / "tables" / "false_alarms.csv"))
+        tables["nulls"] = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv")
+        tables["random_keys"] = counted(pd.read_csv(runs / "nulls" / "tables" / "false_alarms.csv"))
+    for name in DRAWN:
+        if name in tables:
+            credits = {mesh: datasets.credit(mesh) for mesh in tables[name]["mesh"].unique()}
+            save(heatmap_figure(tables[name], DEFAULT_PF, credits), RESULTS, name)
     tables["beside_song2002"] = ratios(tables)
     RESULTS.write_tables(tables)
     write_whole(RESULTS.path / "README.md", page(tables).encode())
-
-
-def read(file: Path) -> pd.DataFrame:
-    """Read a table without changing a digit, so that writing it again changes nothing."""
-    return pd.read_csv(file, float_precision="round_trip")
 
 
 def ratios(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
@@ -112,6 +111,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
             counted=tables["random_keys"].to_dict("records") if "nulls" in tables else [],
+            others=pd.read_csv(OTHER_MODELS).to_dict("records") if OTHER_MODELS.exists() else [],
             ablation=ablation_table(ablation),
             ablation_keys=int(ablation["keys"].min()),
         )
