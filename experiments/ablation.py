@@ -49,9 +49,9 @@ def pca_frame(mesh: Mesh) -> AffineFrame:
     return AffineFrame(cylinder.center, cylinder.axes / size)
 
 
-def in_pca_frame(mesh: Mesh, _reference: SolidMoments) -> tuple[Mesh, AffineFrame]:
+def in_pca_frame(mesh: Mesh, _reference: SolidMoments, _ways: int) -> tuple[Mesh, list[AffineFrame]]:
     """Return a mesh and its `pca_frame`."""
-    return mesh, pca_frame(mesh)
+    return mesh, [pca_frame(mesh)]
 
 
 def pose_alone(_surface: Surface, _landmarks: Landmarks, poses: tuple[Warp, Warp]) -> Fit:

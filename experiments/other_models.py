@@ -1,6 +1,6 @@
-"""Mark each mesh of a folder with range-dct, attack and read it; writes results/range_dct/other_models.csv.
+"""Mark each mesh of a folder with range-dct, attack it and read it; writes a table of z.
 
-    python experiments/other_models.py FOLDER [--seed 7]
+    python experiments/other_models.py FOLDER [--out other_models.csv] [--seed 7]
 
 One key a model, the default parameters. So: how does it do on models that it was not made with, or on yours?
 """
@@ -46,7 +46,6 @@ ATTACKED: tuple[Attack, ...] = (
     DropFaces(percent=5),
     FlipFaces(percent=50),
 )
-TABLE = Path(__file__).resolve().parent.parent / "results" / "range_dct" / "other_models.csv"
 
 
 def models(folder: Path) -> Iterator[Mesh]:
@@ -80,19 +79,20 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--out", type=Path, default=Path("other_models.csv"))
     parser.add_argument("--seed", type=int, default=7)
     options = parser.parse_args()
+    if not options.folder.is_dir():
+        parser.error(f"{options.folder} is no folder")
     lines = []
     for mesh in models(options.folder):
         lines.append(row(mesh, options.seed))
-        print(
-            " ".join(
-                f"{value:.1f}" if isinstance(value, float) else str(value) for value in lines[-1].values()
-            )
-        )
+        print(f"{mesh.name}: {lines[-1].get('refused', lines[-1].get('clean'))}", flush=True)
+    if not lines:
+        parser.error(f"{options.folder} holds no mesh")
     columns = ["model", "vertices", "faces", "refused", *(attack.label() for attack in ATTACKED)]
     table = pd.DataFrame(lines).reindex(columns=columns)
-    write_whole(TABLE, table.to_csv(index=False, float_format="%.2f").encode())
+    write_whole(options.out, table.to_csv(index=False, float_format="%.2f").encode())
 
 
 if __name__ == "__main__":

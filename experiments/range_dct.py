@@ -3,7 +3,8 @@
     WM3D_DATA=folder-with-the-meshes python experiments/range_dct.py [--trials N] [--report-only]
 
 What an earlier call has run is kept; more trials add to it. Tables whose runs are gone stay as they are. The
-ablation is `experiments/ablation.py`, other models are those of `experiments/other_models.py`.
+ablation is `experiments/ablation.py`, other models are those of
+`experiments/other_models.py --out results/range_dct/other_models.csv`.
 """
 
 import argparse
@@ -110,7 +111,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
-            counted=tables["random_keys"].to_dict("records") if "nulls" in tables else [],
+            counted=tables["random_keys"].to_dict("records") if "random_keys" in tables else [],
             others=pd.read_csv(OTHER_MODELS).to_dict("records") if OTHER_MODELS.exists() else [],
             ablation=ablation_table(ablation),
             ablation_keys=int(ablation["keys"].min()),

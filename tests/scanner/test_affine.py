@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
-from shapes import blob, box, icosphere, inside_out, rotation, tetrahedron, uv_cylinder
+from shapes import blob, box, icosphere, inside_out, lathe, rotation, tetrahedron, uv_cylinder
 
 from wm3d.attacks import Bend, Clean, Crop, GaussianNoise, Mirror, Simplify
 from wm3d.errors import Wm3dError
@@ -176,8 +176,14 @@ def test_ways_to_lay_a_solid_on_itself_are_counted_in_any_unit(mesh, count, unit
 
 @pytest.mark.parametrize(
     "mesh",
-    [icosphere(3), uv_cylinder(1, 5, 32, 4), flattened(icosphere(3), (3, 2, 1), "ellipsoid")],
-    ids=["sphere", "cylinder", "ellipsoid"],
+    [
+        icosphere(3),
+        uv_cylinder(1, 5, 32, 4),
+        flattened(icosphere(3), (3, 2, 1), "ellipsoid"),
+        lathe(np.linspace(0, 3, 60), 0.6 + 0.3 * np.sin(np.linspace(0, 5, 60)), 80),
+        lathe(np.linspace(0, 2, 60), np.linspace(1.01, 0.01, 60), 80),
+    ],
+    ids=["sphere", "cylinder", "ellipsoid", "vase", "cone"],
 )
 def test_what_is_round_has_more_ways_than_a_box(mesh):
     assert ways(mesh, principal_frame(mesh)) > MOST_WAYS

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from shapes import blob, box, fine_box, icosphere, inside_out, uv_cylinder
+from shapes import blob, box, fine_box, icosphere, inside_out, lathe, uv_cylinder
 
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
@@ -45,9 +45,16 @@ def test_mesh_that_cannot_carry_the_mark_is_refused(mesh, sentence):
 
 def test_symmetric_mesh_is_refused_where_the_mark_is_too_faint_to_tell_its_sides_apart():
     with pytest.raises(
-        Wm3dError, match=r"^box: looks the same, or nearly, from 24 sides, and a mark of alpha"
+        Wm3dError, match=r"^box: looks the same, or nearly, from 24 sides or all around, and a mark"
     ):
         RangeDct(alpha=0.02).embed(fine_box(), 1)
+
+
+def test_vase_whose_ends_differ_is_refused_for_it_is_round():
+    heights = np.linspace(0, 3, 60)
+    vase = lathe(heights, 0.6 + 0.3 * np.sin(5 * heights / 3) + 0.2 * heights / 3, 80)
+    with pytest.raises(Wm3dError, match="or all around"):
+        SCHEME.embed(vase, 1)
 
 
 def test_sheet_cannot_be_read(embedded):

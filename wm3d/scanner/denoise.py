@@ -18,7 +18,7 @@ MOST_STEPS = 60
 
 CREASED = 0.9
 """Share of its area that a surface keeps in the first step, above which it has no crumples but another sheet:
-noise leaves at most 0.75, a surface stored twice keeps 0.96."""
+the paper's noise leaves at most 0.75, a surface stored twice keeps 0.96."""
 
 
 def whitened_area(mesh: Mesh) -> float:

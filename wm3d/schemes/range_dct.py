@@ -25,8 +25,8 @@ FARTHEST = 1e60
 """Bound of the entries of a stored pose, and 1 over it of its matrix: squares of the places that it leads to
 and comes from are finite, whatever the unit of the mesh."""
 
-TRIAL_NOISE = 0.1
-"""Noise, in percent of the diagonal, that the mark of a symmetric solid must bear to be worth anything."""
+TRIALS, TRIAL_NOISE = 3, 0.3
+"""How often the mark of a symmetric solid must bear how much noise, in percent of the diagonal."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -147,22 +147,25 @@ class RangeDct(Scheme):
         if reference is None:
             laid = host.mark.amplitude.shape[0]
             raise Wm3dError(
-                f"{mesh.name}: the mark cannot be read even from the marked mesh; see that its faces are "
-                f"wound alike, or try fewer blocks than {laid} or a larger alpha than {self.alpha:g}."
+                f"{mesh.name}: the mark cannot be read even from the marked mesh, which has too few vertices "
+                f"or bounds no solid; try fewer blocks than {laid} or a larger alpha than {self.alpha:g}."
             )
         scheme = self.model_copy(update={"reference": reference})
         if host.ways > 1 and not scheme._tells_sides_apart(marked, seed):
             raise Wm3dError(
-                f"{mesh.name}: looks the same, or nearly, from {host.ways} sides, and a mark of alpha "
-                f"{self.alpha:g} does not tell them apart; try a larger alpha, or another scheme."
+                f"{mesh.name}: looks the same, or nearly, from {host.ways} sides or all around, and a mark "
+                f"of alpha {self.alpha:g} does not tell them apart; try a larger alpha, or another scheme."
             )
         return marked, scheme
 
     def _tells_sides_apart(self, marked: Mesh, seed: int) -> bool:
-        """Tell whether a symmetric solid is found when it was turned and a little noise was added."""
+        """Tell whether a symmetric solid is found each time that noise was added and it was turned."""
         rng = np.random.default_rng(0)
-        turned = Similarity()(GaussianNoise(percent=TRIAL_NOISE)(marked, rng), rng)
-        return self.score(turned, seed).detected()
+        noise, turn = GaussianNoise(percent=TRIAL_NOISE), Similarity(min_scale=1, max_scale=1)
+        try:
+            return all(self.score(turn(noise(marked, rng), rng), seed).detected() for _ in range(TRIALS))
+        except Wm3dError:
+            return False
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
         """Mend the surface, smooth crumples, pose, lay the surface over the landmarks, read the volume image.

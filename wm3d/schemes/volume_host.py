@@ -113,12 +113,7 @@ def host_of(mesh: Mesh, blocks: int | None) -> Host:
     """Pose a mesh and lay about so many blocks around it; by default as many as its vertices can carry."""
     whole = whole_surface(mesh)  # as it will be read; the vertices are the same
     frame = principal_frame(whole)
-    alike = ways(whole, frame)
-    if alike > MOST_WAYS:
-        raise Wm3dError(
-            f"{mesh.name}: looks the same, or nearly, from all sides or all around, so it has no axes to "
-            "read a mark by; try another scheme."
-        )
+    count = _countable_ways(whole, frame)
     posed = frame.posed(mesh)
     first, place = places(posed)
     counted = place[mesh.used]
@@ -134,7 +129,7 @@ def host_of(mesh: Mesh, blocks: int | None) -> Host:
     return Host(
         whole=whole,
         frame=frame,
-        ways=alike,
+        ways=count,
         layout=layout,
         image=image,
         mark=mark,
@@ -151,6 +146,16 @@ def laid(blocks: int | None, vertices: int) -> float:
     """Return how many blocks to lay around a mesh of so many vertices if so many are asked for."""
     wanted = blocks or min(max(vertices / VERTICES, FEWEST_BLOCKS), MOST_BLOCKS)
     return min(wanted, vertices / (FEWEST_VERTICES * BLOCK**2))
+
+
+def _countable_ways(mesh: Mesh, frame: AffineFrame) -> int:
+    count = ways(mesh, frame)
+    if count > MOST_WAYS:
+        raise Wm3dError(
+            f"{mesh.name}: looks the same, or nearly, from all sides or all around, so it has no axes to "
+            "read a mark by; try another scheme."
+        )
+    return count
 
 
 def _directions(posed: FloatArray, mesh: Mesh) -> FloatArray:

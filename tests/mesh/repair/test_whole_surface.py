@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 from shapes import blob, box, soup
 
 from wm3d.attacks import DropFaces, FlipFaces, RepeatFaces
@@ -105,6 +106,24 @@ def test_the_rim_where_a_part_was_cut_off_stays():
 def test_faces_that_hang_together_nowhere_are_not_covered():
     apart = Mesh(soup(BLOB).vertices + rng().normal(size=(3 * len(BLOB.faces), 3)) * 1e-3, soup(BLOB).faces)
     assert whole_surface(apart) is apart
+
+
+@pytest.mark.parametrize("size", [10, 50])
+def test_patches_that_hang_together_with_no_other_are_not_given_their_other_side(size):
+    middles = BLOB.vertices[BLOB.faces].mean(axis=1)
+    seeds = middles[rng().permutation(len(middles))[: len(middles) // size]]
+    patch = KDTree(seeds).query(middles)[1]
+    corners = BLOB.vertices[BLOB.faces] + 1e-9 * patch[:, None, None]
+    apart = Mesh(corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3))
+    assert signed_volume(whole_surface(apart)) == pytest.approx(signed_volume(BLOB), rel=0.03)
+
+
+def test_a_rim_of_few_sides_that_is_long_for_the_model_stays():
+    coarse = blob(1, 2)
+    bowl = Mesh(coarse.vertices, coarse.faces[coarse.vertices[coarse.faces].mean(axis=1)[:, 2] < 0.2])
+    stray = Mesh(np.vstack([bowl.vertices, [[100, 0, 0]]]), bowl.faces)
+    for mesh in (bowl, stray):  # a vertex that no face uses decides nothing
+        assert whole_surface(mesh) is mesh
 
 
 def test_keys_tell_faces_apart_as_their_sorted_corners_do():

@@ -1,37 +1,66 @@
 """Small holes, as where faces are missing, and the triangles that cover them."""
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.mesh.repair.kernels import hole_caps
 from wm3d.mesh.repair.sides import Sides
 
 MOST_SIDES, LONGEST = 64, 1.0
-"""Sides of the largest hole that is covered, and its length over the diagonal of the mesh; the rim where a
-part was cut off has more."""
+"""Sides of the largest hole that is covered, and its length over the diagonal of the mesh. The rim where a
+part was cut off has more, of a mesh that is not coarse."""
+
+LARGEST = 0.3
+"""Area of the largest cover over that of the part that it closes: a patch that hangs together with no other
+would be given its own other side."""
 
 
-def caps(sides: Sides, points: FloatArray) -> IntArray:
+def caps(corners: IntArray, sides: Sides, points: FloatArray) -> IntArray:
     """Return triangles that cover every small hole, wound as the surface around it: (k, 3) places.
 
-    The rim runs along the edges that are out of balance, so it has as many ways into a place as out of it. A
-    face that hangs together with no other has no rim, for its cover would be its other side.
+    The rim runs along the edges that are out of balance, so it has as many ways into a place as out of it.
 
     Parameters
     ----------
+    corners : (m, 3) ndarray
+        The places of the faces.
     sides : Sides
+        Of those faces.
     points : (p, 3) ndarray
-        The places.
+        Where the places lie.
     """
-    alone = (sides.uses[sides.edges] == 1).all(axis=1)
-    net = sides.turned(np.where(alone, 0, 1)).net
+    net = sides.net
     rim = np.repeat(np.arange(len(net)), np.abs(net))
+    if len(rim) == 0:
+        return np.empty((0, 3), dtype=np.int64)
     start, end = np.where(net[rim] > 0, sides.ends[rim].T, sides.ends[rim, ::-1].T)
     order = np.argsort(start, kind="stable")
     start, end = start[order], end[order]
     length = np.linalg.norm(points[start] - points[end], axis=1)
-    longest = LONGEST * float(np.linalg.norm(np.ptp(points, axis=0)))
+    longest = LONGEST * float(np.linalg.norm(np.ptp(points[np.unique(corners)], axis=0)))
     places, numbers = np.unique(np.concatenate([start, end]), return_inverse=True)
     first = np.searchsorted(numbers[: len(rim)], np.arange(len(places) + 1))
-    covered: IntArray = places[hole_caps(numbers[len(rim) :], length, first, MOST_SIDES, longest)]
-    return covered
+    covers, loop = hole_caps(numbers[len(rim) :], length, first, MOST_SIDES, longest)
+    covers = places[covers]
+
+    part = _parts(corners, len(points))
+    whole = np.bincount(part[corners[:, 0]], _areas(corners, points), part.max() + 1)
+    cover = np.bincount(loop, _areas(covers, points))
+    small: IntArray = covers[cover[loop] <= LARGEST * whole[part[covers[:, 0]]]]
+    return small
+
+
+def _parts(corners: IntArray, places: int) -> IntArray:
+    """Return the part of the surface that hangs together to which each place belongs: (p,)."""
+    start, end = corners.ravel(), corners[:, [1, 2, 0]].ravel()
+    links = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(places, places))
+    part: IntArray = connected_components(links, directed=False)[1].astype(np.int64)
+    return part
+
+
+def _areas(corners: IntArray, points: FloatArray) -> FloatArray:
+    a, b, c = points[corners.T]
+    areas: FloatArray = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return areas

@@ -31,8 +31,10 @@ def face_keys(marks: FloatArray, faces: IntArray) -> IntArray:
 
 
 @njit(cache=True)
-def hole_caps(end: IntArray, length: FloatArray, first: IntArray, most: int, longest: float) -> IntArray:
-    """Cover the loops of a rim by fans of triangles, wound against it: (k, 3) places.
+def hole_caps(
+    end: IntArray, length: FloatArray, first: IntArray, most: int, longest: float
+) -> tuple[IntArray, IntArray]:
+    """Cover the loops of a rim by fans of triangles, wound against it: (k, 3) places, (k,) loops.
 
     From each place along the rim until a place is reached again: the loop since then is cut off and covered,
     if it has no more than so many sides and is no longer than that.
@@ -53,8 +55,8 @@ def hole_caps(end: IntArray, length: FloatArray, first: IntArray, most: int, lon
     step = np.full(len(waiting), -1)  # at which step of the path a place was reached, if it lies on it
     path = np.empty(len(end) + 1, np.int64)
     gone = np.zeros(len(end) + 1)  # how long the path is up to each of its places
-    caps = np.empty((len(end), 3), np.int64)
-    count = 0
+    caps, loop = np.empty((len(end), 3), np.int64), np.empty(len(end), np.int64)
+    count = loops = 0
     for origin in range(len(waiting)):
         last, path[0], step[origin] = 0, origin, 0
         while waiting[path[last]] < first[path[last] + 1]:
@@ -69,12 +71,14 @@ def hole_caps(end: IntArray, length: FloatArray, first: IntArray, most: int, lon
             if last - begin < most and so_far - gone[begin] <= longest:
                 for k in range(begin + 1, last):
                     caps[count] = path[begin], path[k + 1], path[k]
+                    loop[count] = loops
                     count += 1
+                loops += 1
             for k in range(begin + 1, last + 1):
                 step[path[k]] = -1
             last = begin
         step[origin] = -1
-    return caps[:count]
+    return caps[:count], loop[:count]
 
 
 @njit(cache=True)

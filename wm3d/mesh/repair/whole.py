@@ -17,9 +17,9 @@ def whole_surface(mesh: Mesh) -> Mesh:
     """Return the surface that a mesh stands for, over the same vertices; the same object if nothing is amiss.
 
     An integral over a surface, as that of a volume, takes every face for a part of the boundary of one solid.
-    So faces that lie on others count once, all are wound alike, flaps are taken off and small holes covered.
-    What a viewer sees hardly changes. Vertices in one place count as one, so the faces of an unwelded mesh
-    hang together. The rim of a large hole stays.
+    So faces that lie on others count once, each part that hangs together is wound alike, flaps are taken off
+    and small holes covered. What a viewer sees hardly changes. Vertices in one place count as one, so the
+    faces of an unwelded mesh hang together. The rim of a large hole stays.
     """
     doubled = is_doubled(mesh)
     if is_balanced(mesh) and not doubled:
@@ -29,7 +29,7 @@ def whole_surface(mesh: Mesh) -> Mesh:
     sides = Sides.of(place[faces])
     faces, sides = _turned(faces, sides, winding_turns(sides, _cones(mesh, faces)))
     faces, sides = _turned(faces, sides, flap_turns(sides))
-    covers = caps(sides, mesh.vertices[first])
+    covers = caps(place[faces], sides, mesh.vertices[first])
     if len(covers):
         faces = np.vstack([faces, first[covers]])
     return mesh if faces is mesh.faces else Mesh(mesh.vertices, faces, mesh.name)
