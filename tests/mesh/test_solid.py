@@ -8,6 +8,7 @@ import pytest
 import trimesh
 from shapes import blob, box, icosphere, inside_out, rotation, tetrahedron, uv_cylinder
 
+from wm3d.attacks import Crop
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, SolidMoments, solid_moments, volume_moments
 from wm3d.mesh.kernels import cone_integrals, umbrella_step
@@ -248,3 +249,12 @@ def test_umbrella_step_goes_towards_the_mean_of_the_neighbours(mesh):
     moved = umbrella_step(loose.vertices, loose.faces, 0.3)
     np.testing.assert_allclose(moved, expected, rtol=0, atol=1e-15)
     assert moved[-1].tolist() == [7, 8, 9]
+
+
+def test_moments_are_seen_from_the_vertex_mean_where_the_centroid_sees_no_solid():
+    part = Crop(percent=70)(blob(1, 2), np.random.default_rng(5))
+    aside = np.tile([5.2, 3.8, -2.8], (len(part.vertices), 1))  # vertices that no face uses move their mean
+    mesh = Mesh(np.vstack([part.vertices, aside]), part.faces)
+    np.testing.assert_allclose(
+        solid_moments(mesh).second, volume_moments(mesh).covariance, rtol=1e-9, atol=1e-9
+    )

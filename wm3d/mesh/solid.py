@@ -95,7 +95,8 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
 
     The integrals run over signed tetrahedra from one apex to the faces. Holes are closed by cones from the
     apex, the vertex mean at first and then the centroid that came of it, so the moments of an open mesh
-    hardly depend on where its vertices lie densely. The winding does not matter.
+    hardly depend on where its vertices lie densely; if those moments are no solid's, the vertex mean again. The
+    winding does not matter.
 
     Raises
     ------
@@ -103,15 +104,29 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
         If the faces enclose no volume, as those of a flat sheet, or are wound so at variance that the second
         moments are not those of a solid.
     """
-    apex, unit = volume_moments(mesh).centroid, mesh.diagonal
+    moments = _seen_from(mesh, volume_moments(mesh).centroid)
+    if not _is_solid(np.linalg.eigvalsh(moments.second)):
+        moments = _seen_from(mesh, mesh.vertex_mean)  # the cones over a large hole can be too much from there
+    whitening(moments.second, mesh.name)
+    return moments
+
+
+def _seen_from(mesh: Mesh, apex: FloatArray) -> SolidMoments:
+    """Return the moments of the solid of which an apex sees the faces."""
+    unit = mesh.diagonal
     integrals = kernels.cone_integrals(mesh.vertices, mesh.faces, apex, unit)
     volume = integrals[0, 0, 0]
     check_volume(mesh, volume * unit**3)
     shift = _tensor(integrals, 1) / volume
-    apex = apex + unit * shift
     central = _centred(shift, *(_tensor(integrals, order) / volume for order in ORDERS))
-    whitening(central[0], mesh.name)
-    return SolidMoments(apex, *(unit**order * t for order, t in zip(ORDERS, central, strict=True)))
+    return SolidMoments(
+        apex + unit * shift, *(unit**order * t for order, t in zip(ORDERS, central, strict=True))
+    )
+
+
+def _is_solid(values: FloatArray) -> bool:
+    """Tell whether second moments with these eigenvalues, the least first, are those of a solid."""
+    return bool(values[0] > LEAST_MOMENT * abs(values[2]))
 
 
 def whitening(second: FloatArray, name: str) -> tuple[FloatArray, FloatArray]:
@@ -131,7 +146,7 @@ def whitening(second: FloatArray, name: str) -> tuple[FloatArray, FloatArray]:
         where it is a sheet.
     """
     values, axes = np.linalg.eigh(second)
-    if values[0] <= LEAST_MOMENT * abs(values[2]):
+    if not _is_solid(values):
         raise Wm3dError(
             f"{name}: its faces bound no solid that extends in every direction; wind all parts alike, and "
             "close an open sheet."
