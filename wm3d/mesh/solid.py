@@ -95,7 +95,7 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
 
     The integrals run over signed tetrahedra from one apex to the faces. Holes are closed by cones from the
     apex, the vertex mean at first and then the centroid that came of it, so the moments of an open mesh
-    hardly depend on where its vertices lie densely; if those moments are no solid's, the vertex mean again. The
+    hardly depend on where its vertices lie densely; if those are no solid's, the vertex mean again. The
     winding does not matter.
 
     Raises
@@ -105,7 +105,7 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
         moments are not those of a solid.
     """
     moments = _seen_from(mesh, volume_moments(mesh).centroid)
-    if not _is_solid(np.linalg.eigvalsh(moments.second)):
+    if not _is_solid(moments.second):
         moments = _seen_from(mesh, mesh.vertex_mean)  # the cones over a large hole can be too much from there
     whitening(moments.second, mesh.name)
     return moments
@@ -124,8 +124,9 @@ def _seen_from(mesh: Mesh, apex: FloatArray) -> SolidMoments:
     )
 
 
-def _is_solid(values: FloatArray) -> bool:
-    """Tell whether second moments with these eigenvalues, the least first, are those of a solid."""
+def _is_solid(second: FloatArray) -> bool:
+    """Tell whether second moments are positive, as those of a solid are, and not as flat as a sheet's."""
+    values = np.linalg.eigvalsh(second)
     return bool(values[0] > LEAST_MOMENT * abs(values[2]))
 
 
@@ -146,7 +147,7 @@ def whitening(second: FloatArray, name: str) -> tuple[FloatArray, FloatArray]:
         where it is a sheet.
     """
     values, axes = np.linalg.eigh(second)
-    if not _is_solid(values):
+    if not _is_solid(second):
         raise Wm3dError(
             f"{name}: its faces bound no solid that extends in every direction; wind all parts alike, and "
             "close an open sheet."
