@@ -6,7 +6,7 @@ from shapes import blob, box, inside_out, rotation
 
 from wm3d.attacks import Crop
 from wm3d.mesh import Mesh, surface_points
-from wm3d.scanner.registration import Landmarks, Surface, Warp, registered
+from wm3d.scanner.registration import Landmarks, Surface, Warp, nearest, registered
 from wm3d.scanner.registration.fit import fitted, share_met
 from wm3d.scanner.registration.landmarks import FLAT
 from wm3d.scanner.registration.warp import QUADRATIC_TERMS
@@ -132,6 +132,15 @@ def test_torso_lies_as_near_as_a_fit_to_all_landmarks_brings_it():
     again = fitted(surface, landmarks, found, quadratic=False, reach=0.1).warp
     # 0.01 from the start that a few of the landmarks chose
     np.testing.assert_allclose(again(surface.points), found(surface.points), atol=1e-3)
+
+
+def test_of_several_poses_the_one_nearest_to_the_landmarks_is_taken():
+    landmarks, surface = landmarks_of(MESH), Surface.of(MESH)
+    right = pose_of(surface)
+    shifts = np.array([[0.0, 0, 0], [0.01, 0, 0], [0, -0.02, 0], [5, 0, 0]])
+    poses = [Warp.linear(right.matrix, right.coefficients[0] + shift) for shift in shifts]
+    for order in ([0, 1, 2, 3], [3, 2, 1, 0], [1, 0]):
+        assert nearest(surface, landmarks, [poses[k] for k in order]) is poses[0]
 
 
 def test_a_pose_that_fits_is_left_as_it_is():
