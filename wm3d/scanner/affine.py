@@ -94,9 +94,8 @@ def ways(mesh: Mesh, frame: AffineFrame) -> int:
         return 1
     whitened = moments.mapped(whitening(moments.second, mesh.name)[0])
     values, slopes = whitened.components_of(np.eye(3))
-    if np.linalg.norm(slopes, ord=-2) < ROUND * np.linalg.norm(
-        values
-    ):  # a turn about its axis changes nothing
+    least = np.linalg.norm(slopes, ord=-2)  # of what is round, by a turn about its axis
+    if least < ROUND * np.linalg.norm(values):
         return MOST_WAYS + 1
     return len(_alike(moments, reference))
 
