@@ -33,7 +33,7 @@ UNREADABLE = {
 }
 #: Meshes without a range image.
 UNSCANNABLE = {
-    "sphere.ply": "no axes to read a mark by",
+    "sphere.ply": "no unique axes",
     "line.off": "in a plane",
     "triangle.off": "in a plane",
     "sheet.off": "in a plane",
@@ -248,7 +248,7 @@ def test_files_without_permission(wm3d: Run, files: Path, out: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "named", "words"),
     [
-        (DETECT.replace("marked.ply", "sphere.ply"), "sphere.ply", "no axes to read a mark by"),
+        (DETECT.replace("marked.ply", "sphere.ply"), "sphere.ply", "no unique axes"),
         (f"{EMBED} --region 8,0,80,80", "region", "do not fit a grid"),
         (f"{ATTACK} gaussian-noise percent=1e300", "good.ply", "coordinate"),
         ("detect", "MESH", "Missing argument"),

@@ -152,8 +152,8 @@ def _countable_ways(mesh: Mesh, frame: AffineFrame) -> int:
     count = ways(mesh, frame)
     if count > MOST_WAYS:
         raise Wm3dError(
-            f"{mesh.name}: looks the same, or nearly, from all sides or all around, so it has no axes to "
-            "read a mark by; try another scheme."
+            f"{mesh.name}: looks the same, or nearly, from all sides or all around, so it has no unique "
+            "axes; try another scheme."
         )
     return count
 
