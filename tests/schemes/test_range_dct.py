@@ -6,21 +6,17 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 from scipy.stats import kstest
-from shapes import blob, fine_box, inside_out, rotation, soup
+from shapes import blob, inside_out, rotation, soup
 
 from wm3d.attacks import (
     Attack,
     Bend,
     Chain,
     Crop,
-    DropFaces,
-    FlipFaces,
     GaussianNoise,
     HalfSpaceCrop,
     Mirror,
     Reorder,
-    RepeatFaces,
-    RoundTrip,
     Shear,
     Similarity,
     Simplify,
@@ -310,44 +306,3 @@ def test_open_mesh_is_marked_and_read():
     assert abs(scheme.score(marked, 5).z) < 5  # 6e-7 false alarm
     moved = Similarity()(Shear(percent=20)(marked, np.random.default_rng(0)), np.random.default_rng(0))
     assert scheme.score(moved, 4).z == pytest.approx(scheme.score(marked, 4).z, rel=1e-6)
-
-
-def stored_beside(mesh: Mesh) -> Mesh:
-    """Return the mesh with a copy of itself next to nothing away."""
-    moved = mesh.vertices + 1e-9 * mesh.diagonal
-    return Mesh(np.vstack([mesh.vertices, moved]), np.vstack([mesh.faces, mesh.faces + len(moved)]))
-
-
-@pytest.mark.parametrize(
-    "broken",
-    [
-        DropFaces(percent=10),
-        FlipFaces(percent=50),
-        RepeatFaces(percent=100),
-        RepeatFaces(percent=100, turned=True),
-        Chain(then=(RoundTrip(format="stl"), FlipFaces(percent=50), DropFaces(percent=5))),
-        lambda mesh, _: stored_beside(mesh),
-    ],
-    ids=lambda attack: attack.label() if isinstance(attack, Attack) else "stored beside itself",
-)
-def test_reading_is_nearly_the_same_from_a_broken_file(broken, embedded, evidence):
-    marked, scheme = embedded
-    z = scheme.score(broken(marked, np.random.default_rng(4)), 1).z
-    assert z == pytest.approx(evidence.score(scheme.signs(1)).z, rel=0.03)
-
-
-def test_an_original_whose_winding_says_nothing_is_marked_as_well(evidence):
-    flipped = FlipFaces(percent=50)(MESH, np.random.default_rng(5))
-    marked, scheme = SCHEME.embed(flipped, 1)
-    np.testing.assert_array_equal(marked.faces, flipped.faces)
-    assert scheme.score(marked, 1).z == pytest.approx(evidence.score(scheme.signs(1)).z, rel=0.05)
-
-
-def test_mark_of_a_symmetric_mesh_is_found_from_any_side():
-    marked, scheme = SCHEME.embed(fine_box(), 1)
-    assert scheme.reference.ways == 24
-    clean = scheme.score(marked, 1).z
-    assert clean > 10
-    for seed in range(4):
-        turned = Chain(then=(GaussianNoise(percent=0.2), Similarity()))(marked, np.random.default_rng(seed))
-        assert scheme.score(turned, 1).z > 0.8 * clean
