@@ -83,8 +83,10 @@ def test_ascii_ply_with_faces_of_mixed_size(tmp_path):
     body = "".join(f"{x} {y} {z} {c}\n" for x, y, z, c in SCANNED) + "3 0 1 2\n4 0 1 2 3\n3 0 2 3\n"
     mesh = parsed(tmp_path, ".ply", ply_header("ascii", 5, 3) + body.encode())
     assert mesh.vertices.tolist() == [*SQUARE, [7, 7, 7]]
-    # trimesh puts triangles before quads
-    assert mesh.faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2], [2, 3, 0]]
+    assert mesh.faces.tolist() == [[0, 1, 2], [0, 1, 2], [0, 2, 3], [0, 2, 3]]
+    for rows, end in ((4, len(body)), (3, -3)):  # a row is missing, or the end of the last
+        with pytest.raises(Wm3dError, match=r"it ends before its [34] rows of element face do"):
+            parsed(tmp_path, ".ply", ply_header("ascii", 5, rows) + body[:end].encode())
 
 
 def test_comments_of_a_ply_header_announce_nothing(tmp_path):
@@ -102,6 +104,21 @@ def test_binary_ply_of_either_byte_order(tmp_path, encoding, order):
     mesh = parsed(tmp_path, ".ply", ply_header(encoding, 5, 3) + body)
     assert mesh.vertices.tolist() == [*SQUARE, [7, 7, 7]]
     assert mesh.faces.tolist() == [[2, 1, 0], *HALVES]
+
+
+@pytest.mark.parametrize("sizes", [(3, 4, 5), (4, 3, 5)])  # the second is as long as three quads
+@pytest.mark.parametrize(("encoding", "order"), [("binary_little_endian", "<"), ("binary_big_endian", ">")])
+def test_binary_ply_with_faces_of_mixed_size_becomes_fans_in_its_order(tmp_path, encoding, order, sizes):
+    # as Blender writes it, with more properties before and behind the corners
+    behind = "property float weight\nelement edge 1\nproperty int vertex1\nproperty int vertex2"
+    header = ply_header(encoding, 5, len(sizes), behind)
+    body = b"".join(struct.pack(order + "4f", *row) for row in SCANNED)
+    body += b"".join(struct.pack(f"{order}B{n}if", n, *range(n), 0.5) for n in sizes)
+    mesh = parsed(tmp_path, ".ply", header + body + struct.pack(order + "2i", 0, 1))
+    assert mesh.vertices.tolist() == [*SQUARE, [7, 7, 7]]
+    assert mesh.faces.tolist() == [[0, k, k + 1] for n in sizes for k in range(1, n - 1)]
+    with pytest.raises(Wm3dError, match="is damaged, cut short"):
+        parsed(tmp_path, ".ply", header + body)
 
 
 def test_ply_texture_coordinates_split_no_vertex(tmp_path):

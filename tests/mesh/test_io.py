@@ -85,7 +85,7 @@ BAD_FILES = [
     *((f"a{ending}", LETTER, DAMAGED) for ending in ENDINGS),
     ("a.ply", CLOUD + b"end_header\n0 0 0\n1 0 0\n", NO_FACES),
     ("a.ply", CLOUD + b"end_header\n0 0 0\n1 2 x\n", DAMAGED),
-    ("a.ply", CLOUD + b"end_header\n0 0 0\n", rf"{DAMAGED} \(2 of element vertex announced, 1 found"),
+    ("a.ply", CLOUD + b"end_header\n0 0 0\n", rf"{DAMAGED} \(it ends before its 2 rows of element vertex do"),
     ("a.obj", OBJ, NO_FACES),
     ("a.obj", OBJ + b"f 1 2\n", rf"{DAMAGED} \(line 5 has 2 entries"),
     ("a.obj", OBJ + b"f 0 1 2\n", rf"{DAMAGED} \(vertex index 0; OBJ counts from 1"),

@@ -1,50 +1,28 @@
 """Mesh formats as bytes: PLY, OBJ, OFF, STL and GLB, with vertices and faces in the order of the file.
 
-trimesh does the work wherever it keeps that order. It does not in three places, which are written out here:
-its OBJ reader splits vertices by texture index and groups faces by material, its OFF reader takes a file that
-was cut short for a smaller mesh, and its PLY writer rounds to float32.
+trimesh does the work wherever it keeps that order. It does not in three places, which are written out: its
+OBJ reader splits vertices by texture index and groups faces by material, its OFF reader takes a file that was
+cut short for a smaller mesh, and for PLY see `ply`.
 """
 
 import codecs
 import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
 import trimesh
-from trimesh.exchange.ply import load_ply
 from trimesh.exchange.stl import load_stl
-from trimesh.geometry import triangulate_quads
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.mesh.mesh import Mesh
+from wm3d.mesh.ply import read_ply, write_ply
 
 Arrays = tuple[FloatArray, IntArray]
 
 #: A float32 format may move a vertex by this part of the bounding-box diagonal, about 1/100 of a faint mark.
 FLOAT32_TOLERANCE = 1e-5
-
-
-def read_ply(content: bytes) -> Arrays:
-    """Read PLY, ASCII or binary, with triangles or polygons; in binary PLY all faces must have one size."""
-    try:
-        loaded = load_ply(io.BytesIO(content), fix_texture=False, skip_materials=True)
-    except ValueError as error:
-        if "unexpected length" in str(error):
-            raise ValueError(
-                "its length does not fit its header, or its faces differ in size: write triangles, or OBJ"
-            ) from error
-        raise
-    vertices = np.asarray(loaded.get("vertices", np.empty((0, 3))), dtype=np.float64)
-    faces = loaded.get("faces")
-    faces = np.empty((0, 3), np.int64) if faces is None else _triangles(faces)
-    header = content.partition(b"end_header")[0]
-    for element, found in (("vertex", len(vertices)), ("face", len(faces))):
-        announced = re.search(rb"(?m)^\s*element\s+%s\s+(\d+)" % element.encode(), header)
-        if announced and found < int(announced[1]):
-            raise ValueError(f"{int(announced[1])} of element {element} announced, {found} found")
-    return vertices, faces
 
 
 def read_obj(content: bytes) -> Arrays:
@@ -115,18 +93,6 @@ def read_glb(content: bytes) -> Arrays:
     )
 
 
-def write_ply(mesh: Mesh) -> bytes:
-    """Return binary little-endian PLY with float64 coordinates."""
-    header = (
-        "ply\nformat binary_little_endian 1.0\n"
-        f"element vertex {len(mesh.vertices)}\nproperty double x\nproperty double y\nproperty double z\n"
-        f"element face {len(mesh.faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-    faces = np.empty(len(mesh.faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
-    faces["count"], faces["corners"] = 3, mesh.faces
-    return header.encode() + mesh.vertices.astype("<f8").tobytes() + faces.tobytes()
-
-
 def write_obj(mesh: Mesh) -> bytes:
     """Return OBJ text whose decimals give back every float64 coordinate."""
     return _export(mesh, "obj", digits=_decimals(mesh), header=None)
@@ -186,11 +152,6 @@ def _refuse_coarse_float32(mesh: Mesh, what: str) -> None:
             f"{what} holds float32, which would move a vertex by {moved:.3g}; move the mesh to the origin "
             "or write PLY, OBJ or OFF"
         )
-
-
-def _triangles(polygons: Sequence[Sequence[int]]) -> IntArray:
-    """Triangles (m, 3) of the rows of one or more lengths that trimesh returns."""
-    return np.asarray(triangulate_quads(polygons), dtype=np.int64).reshape(-1, 3)
 
 
 def _fan(polygon: list[int]) -> list[tuple[int, int, int]]:
