@@ -7,6 +7,7 @@ from shapes import blob
 from wm3d.attacks import DropFaces, FlipFaces, Mirror, RepeatFaces
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, is_closed, signed_volume
+from wm3d.mesh.repair.sides import Sides
 
 BLOB = blob(1, 3)
 FACES = len(BLOB.faces)
@@ -37,6 +38,15 @@ def test_flipped_faces_are_the_share_asked_for_and_the_others_stay():
     turned = (flipped.faces != BLOB.faces).any(axis=1)
     assert np.count_nonzero(turned) == round(0.25 * FACES)
     np.testing.assert_array_equal(flipped.faces[turned], BLOB.faces[turned, ::-1])
+
+
+def test_flipped_patches_hang_together():
+    flipped = drawn(FlipFaces(percent=25, patches=8))
+    turned = (flipped.faces != BLOB.faces).any(axis=1)
+    assert 0.05 * FACES < np.count_nonzero(turned) < 0.5 * FACES
+    border = np.abs(Sides.of(flipped.faces).net) == 2
+    alone = np.abs(Sides.of(drawn(FlipFaces(percent=25)).faces).net) == 2
+    assert np.count_nonzero(border) < 0.4 * np.count_nonzero(alone)
 
 
 @pytest.mark.parametrize("turned", [False, True])

@@ -4,6 +4,7 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
+from scipy.spatial import cKDTree
 
 from wm3d.arrays import IntArray
 from wm3d.attacks.base import Attack
@@ -43,7 +44,10 @@ class FlipFaces(Attack):
     Attributes
     ----------
     percent : float
-        Share of the faces; with 50 the winding says nothing any more.
+        Share of the faces, or of the patches; with 50 the winding of a face says nothing any more.
+    patches : int, optional
+        Turn over whole patches, as where a model was sewn together from sheets: each face belongs to the
+        nearest of so many that are drawn. By default every face is drawn on its own.
     """
 
     name: Literal["flip-faces"] = "flip-faces"
@@ -51,10 +55,15 @@ class FlipFaces(Attack):
     neutral: ClassVar[dict[str, float]] = {"percent": 0}
 
     percent: Annotated[float, Field(ge=0, le=100)] = 50.0
+    patches: Annotated[int, Field(ge=1)] | None = None
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         """Return the mesh with some faces wound the other way; see `Attack`."""
-        drawn = _drawn(mesh, self.percent, rng)
+        if self.patches is None:
+            drawn = _drawn(mesh, self.percent, rng)
+        else:
+            patch = _patches(mesh, self.patches, rng)
+            drawn = np.flatnonzero(patch < round(self.percent / 100 * (patch.max() + 1)))
         if len(drawn) == 0:
             return mesh
         faces = mesh.faces.copy()
@@ -94,3 +103,10 @@ class RepeatFaces(Attack):
 def _drawn(mesh: Mesh, percent: float, rng: np.random.Generator) -> IntArray:
     """Draw a share of the faces, in a random order."""
     return rng.permutation(len(mesh.faces))[: round(percent / 100 * len(mesh.faces))]
+
+
+def _patches(mesh: Mesh, count: int, rng: np.random.Generator) -> IntArray:
+    """Return the patch of each face, (m,): the nearest of so many faces that are drawn, in a random order."""
+    middles = mesh.vertices[mesh.faces].mean(axis=1)
+    drawn = middles[rng.permutation(len(middles))[:count]]
+    return np.asarray(cKDTree(drawn).query(middles)[1], dtype=np.int64)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import KDTree
 from shapes import blob, box, soup
 
-from wm3d.attacks import DropFaces, FlipFaces, RepeatFaces
+from wm3d.attacks import DropFaces, FlipFaces, HalfSpaceCrop, RepeatFaces
 from wm3d.mesh import Mesh, is_balanced, is_closed, signed_volume, surface_area, whole_surface
 from wm3d.mesh.repair.kernels import face_keys
 from wm3d.mesh.repair.sides import Sides
@@ -37,6 +37,17 @@ def test_faces_turned_over_at_random_are_wound_alike_again(percent, make):
     flipped = FlipFaces(percent=percent)(make(BLOB), rng())
     assert not is_balanced(flipped)
     assert abs(signed_volume(whole_surface(flipped))) == pytest.approx(abs(signed_volume(BLOB)), rel=1e-5)
+
+
+@pytest.mark.parametrize("percent", [2, 20, 50, 90])
+@pytest.mark.parametrize("torn", [False, True], ids=["closed", "torn"])
+def test_patches_turned_over_are_wound_alike_again(percent, torn):
+    surface = HalfSpaceCrop(percent=20)(BLOB, rng()) if torn else BLOB
+    flipped = FlipFaces(percent=percent, patches=50)(surface, rng())
+    whole = whole_surface(flipped).faces[: len(surface.faces)]  # without covers
+    as_before = (whole == surface.faces).all(axis=1)
+    assert not (flipped.faces == surface.faces).all()
+    assert as_before.all() or not as_before.any()
 
 
 def test_every_part_is_wound_outwards_where_the_winding_says_nothing():
