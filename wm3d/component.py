@@ -58,8 +58,12 @@ class Component(BaseModel):
         return dump
 
     def identity(self) -> dict[str, Any]:
-        """Return what the numbers of this component depend on, as plain JSON values."""
-        return {**self.model_dump(mode="json"), "version": self.version}
+        """Return what the numbers of this component depend on, as plain JSON values.
+
+        That is its parameters and its version, and those of the components among its parameters.
+        """
+        parts = {name: _identity(value) for name, value in self if _is_made_of_components(value)}
+        return {**self.model_dump(mode="json"), **parts, "version": self.version}
 
     def label(self) -> str:
         """Return the legend text: the name, the values of `legend`, and what differs from its default."""
@@ -72,6 +76,15 @@ class Component(BaseModel):
             elif value != fields[key].default:
                 words.append(f"{key}={_short(value)}")
         return " ".join(words)
+
+
+def _is_made_of_components(value: Any) -> bool:
+    parts = value if isinstance(value, tuple) else (value,)
+    return bool(parts) and all(isinstance(part, Component) for part in parts)
+
+
+def _identity(value: Any) -> Any:
+    return [part.identity() for part in value] if isinstance(value, tuple) else value.identity()
 
 
 def _short(value: Any) -> str:

@@ -48,6 +48,7 @@ def test_chain_is_what_its_links_are():
     still = Chain(then=(Weld(), Quantize()))
     assert (still.random, still.turns, still.marks, still.engines) == (False, False, False, ())
     assert Chain(then=(Weld(), Collusion())).marks
+    assert Chain(then=(Weld(),)).label() == "chain weld 0"  # tables put together what has the same label
 
 
 def test_identity_holds_the_versions_of_the_links(monkeypatch):

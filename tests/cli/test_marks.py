@@ -47,6 +47,15 @@ def test_detect_finds_nothing_in_the_original(wm3d: Run, files: Path) -> None:
     assert json.loads(outcome.stdout)["detected"] is False
 
 
+def test_no_mark_with_a_key_of_another_version_says_so(wm3d: Run, files: Path, tmp_path: Path) -> None:
+    content = json.loads((files / "good.json").read_text())
+    (tmp_path / "old.json").write_text(json.dumps({**content, "version": 0}))
+    assert wm3d("detect", files / "marked.ply", "--key", tmp_path / "old.json").stderr == ""
+    outcome = wm3d("detect", files / "good.ply", "--key", tmp_path / "old.json")
+    assert outcome.status == 1
+    assert "was written for version 0 of its scheme" in outcome.stderr
+
+
 def test_pf_is_the_threshold_on_p(wm3d: Run, files: Path) -> None:
     arguments = ("detect", files / "good.ply", "--key", files / "good.json", "--json")
     p = json.loads(wm3d(*arguments).stdout)["p_value"]

@@ -24,6 +24,17 @@ def test_key_comes_back_from_its_file_and_finds_the_mark(tmp_path):
     assert Key.load(tmp_path / "key.json").score(marked).z == KEY.score(marked).z > 10
 
 
+def test_key_file_keeps_the_version_that_its_scheme_had(tmp_path, monkeypatch):
+    Key(Song2002(), 1).save(tmp_path / "key.json")
+    monkeypatch.setattr(Song2002, "version", Song2002.version + 1)
+    old = Key.load(tmp_path / "key.json")
+    assert (old.version, old.scheme.version) == (Song2002.version - 1, Song2002.version)
+    old.save(tmp_path / "again.json")
+    assert Key.load(tmp_path / "again.json").version == old.version
+    (tmp_path / "older.json").write_text(json.dumps(GOOD))
+    assert Key.load(tmp_path / "older.json").version is None
+
+
 def test_key_file_names_every_parameter_so_that_later_defaults_do_not_matter(tmp_path):
     Key(Song2002(), 1).save(tmp_path / "key.json")
     content = json.loads((tmp_path / "key.json").read_text())
@@ -59,6 +70,7 @@ def test_secret_is_not_shown_where_a_key_is_printed():
         (b"\xff\xfe\x00", "is not a key file: it holds no JSON"),
         (b"[" * 100_000, "is not a key file: it holds no JSON"),
         (b"[1, 2]", 'is not a key file: "format" must be "wm3d-key-1"'),
+        ({**GOOD, "version": "two"}, "\"version\" is 'two', not an integer"),
         ({**GOOD, "format": "wm3d-key-9"}, 'is not a key file: "format" must be "wm3d-key-1"'),
         ({**GOOD, "seed": -1}, '"seed" is -1, not an integer from 0 to'),
         ({**GOOD, "seed": 1 << 256}, "not an integer from 0 to"),

@@ -112,6 +112,12 @@ def test_snr_falls_by_twenty_decibels_a_decade_of_alpha():
     assert weak - strong == pytest.approx(20, abs=1e-9)
 
 
+def test_identity_holds_the_version_of_the_detector(monkeypatch):
+    before = Song2002().identity()
+    monkeypatch.setattr(type(Song2002().detector), "version", 99)
+    assert Song2002().identity() != before
+
+
 @pytest.mark.parametrize("decibels", [43.98, 20.0, 120.0])
 def test_strength_is_set_from_a_wanted_snr(decibels):
     scheme = SMALL.at_snr(MESH, 7, decibels)

@@ -49,13 +49,10 @@ class Chain(Attack):
         """The packages behind the links."""
         return tuple(dict.fromkeys(engine for link in self.then for engine in link.engines))
 
-    def identity(self) -> dict[str, object]:
-        """Return what the numbers depend on: also the versions of the links."""
-        return {**super().identity(), "then": [link.identity() for link in self.then]}
-
     def label(self) -> str:
-        """Return the labels of the links, with arrows between them."""
-        return " → ".join(link.label() for link in self.then) or "chain"
+        """Return the labels of the links, with arrows between them; a lone link is not taken for itself."""
+        links = [link.label() for link in self.then]
+        return " → ".join(links) if len(links) > 1 else " ".join(["chain", *links])
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         """Return the mesh after all links; see `Attack`."""

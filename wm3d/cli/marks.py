@@ -180,6 +180,12 @@ def detect(
                 "Not even the right key could reach this Pf: too few coefficients of the mesh are read."
             )
     if not detected:
+        if its_key.version not in (None, its_key.scheme.version):
+            typer.echo(
+                f"wm3d: {key}: was written for version {its_key.version} of its scheme, which is at "
+                f"{its_key.scheme.version} now and may read otherwise; try the wm3d that wrote it.",
+                err=True,
+            )
         raise typer.Exit(1)
 
 

@@ -25,10 +25,14 @@ class Key:
         For `song2002` this includes the grid and the corners of the region, the paper's second key.
     seed : int
         Non-negative; 256 bits at most.
+    version : int, optional
+        Version that the scheme had when the key was written, if it comes from a file that says so. Where the
+        scheme has another now, it may read otherwise than it marked.
     """
 
     scheme: Scheme
     seed: int = field(repr=False)
+    version: int | None = field(default=None, compare=False)
 
     def score(self, mesh: Mesh) -> Score:
         """Look for this key in a mesh.
@@ -56,7 +60,12 @@ class Key:
 
     def encode(self) -> Secret:
         """Return the content of a key file."""
-        content = {"format": FORMAT, "seed": self.seed, "scheme": self.scheme.model_dump(mode="json")}
+        content = {
+            "format": FORMAT,
+            "version": self.scheme.version if self.version is None else self.version,
+            "seed": self.seed,
+            "scheme": self.scheme.model_dump(mode="json"),
+        }
         return Secret((json.dumps(content, indent=2) + "\n").encode())
 
     @classmethod
@@ -90,4 +99,7 @@ class Key:
             raise Wm3dError(
                 f'is not a complete key: "seed" is {shown(seed)}, not an integer from 0 to 2^256 − 1.'
             )
-        return cls(SCHEMES.build(scheme["name"], scheme), seed)
+        version = content.get("version")
+        if version is not None and (not isinstance(version, int) or isinstance(version, bool)):
+            raise Wm3dError(f'is not a complete key: "version" is {shown(version)}, not an integer.')
+        return cls(SCHEMES.build(scheme["name"], scheme), seed, version)

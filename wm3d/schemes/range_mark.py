@@ -1,6 +1,6 @@
 """The paper's pose, scan and vertex moves with any 2-D mark in the range image."""
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, model_validator
 
@@ -42,10 +42,6 @@ class RangeMark(RangeScheme):
     def engines(self) -> tuple[str, ...]:
         """The packages behind the mark."""
         return self.mark.engines
-
-    def identity(self) -> dict[str, Any]:
-        """Return what the numbers depend on: also the version of the mark."""
-        return {**super().identity(), "mark": self.mark.identity()}
 
     @property
     def image_mark(self) -> ImageMark:

@@ -1,0 +1,35 @@
+"""A change of what a scheme reads must raise its version: cells of a run and keys are told apart by it."""
+
+import numpy as np
+import pytest
+from shapes import blob
+
+from wm3d.attacks import Chain, GaussianNoise, Mirror, Similarity, Simplify
+from wm3d.schemes import SCHEMES
+
+ORIGINAL = blob(1, 4)
+ATTACKS = (
+    Chain(then=(GaussianNoise(percent=0.1), Similarity())),
+    Simplify(ratio=0.3, simplifier="clustering"),
+    Mirror(),
+)
+READ = {
+    "cho2007-mean": (1, [6.438, 0.865, 7.471]),
+    "cho2007-variance": (1, [5.756, 0.129, 7.695]),
+    "ohbuchi2002": (1, [16.628, 7.773, 0.295]),
+    "radial-area": (1, [6.694, 1.384, 6.932]),
+    "range-dct": (6, [30.554, 15.409, 31.258]),
+    "range-mark": (1, [22.723, 0.451, 0.568]),
+    "song2002": (1, [22.723, 0.451, 0.568]),
+    "vertex-ss": (1, [14.520, -1.164, 19.890]),
+    "wang2011": (1, [7.996, 7.956, 0.532]),
+}
+"""Version of each scheme, and z after each attack."""
+
+
+@pytest.mark.parametrize("name", READ)
+def test_version_is_raised_when_a_scheme_reads_otherwise(name):
+    marked, scheme = SCHEMES.build(name, {}).embed(ORIGINAL, 7)
+    scheme = scheme if scheme.blind else scheme.with_original(ORIGINAL)
+    read = [scheme.score(attack(marked, np.random.default_rng(3)), 7).z for attack in ATTACKS]
+    assert (scheme.version, read) == (READ[name][0], pytest.approx(READ[name][1], abs=0.01))
