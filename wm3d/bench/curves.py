@@ -23,7 +23,7 @@ LEAST_LOG10_PF = -8
 
 NULL_CAPTION = (
     "Statistic: z of the detector, large is marked. Null: uniform keys on the mesh under test, exact "
-    "(saddlepoint tail). A trial is detected if its p-value is at most Pf. Bands: 95 % Clopper–Pearson."
+    "(tail of a sum of signs). A trial is detected if its p-value is at most Pf. Bands: 95 % Clopper–Pearson."
 )
 """What a reader must know to read Pf, under every ROC figure."""
 

@@ -1,4 +1,4 @@
-"""The tail of a Rademacher sum: exact where keys can be counted, else the Lugannani–Rice saddlepoint."""
+"""The tail of a Rademacher sum: counted, on a grid or by the saddlepoint, as its weights allow."""
 
 import math
 from typing import overload
@@ -10,6 +10,7 @@ from scipy.special import gammaln, logsumexp
 
 from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
+from wm3d.stats.grid import MOST_SIGNS, grid_log10
 from wm3d.stats.saddlepoint import LN10, saddlepoint_tail
 from wm3d.stats.weights import checked_thresholds, checked_weights, tie_slack, unit_weights
 
@@ -46,11 +47,13 @@ def log10_tail(b: ArrayLike, z: float | FloatArray) -> float | FloatArray:
 
     Notes
     -----
-    Three routes, by what the weights allow:
+    Four routes, by what the weights allow:
 
     * all nonzero |b_k| equal: the binomial distribution, exactly;
     * at most 24 signs can still be free (24 nonzero weights, or z so near Σ|b| that only the 24 smallest
       weights may point down): the keys are counted, exactly;
+    * at most 256 weights: the distribution of the sum on a grid (:mod:`wm3d.stats.grid`), never below the
+      truth and some percent above it;
     * otherwise :func:`saddlepoint_log10`, whose relative error is of order 1/n. Weights that carry more
       than 15 % of the variance of themselves and all smaller ones (ten of them at most) are taken out
       first, and the tail is averaged over their signs.
@@ -95,11 +98,16 @@ def _tail(a: FloatArray, z: FloatArray, averaging: bool = True) -> FloatArray:
     if few.any():
         tails[few] = _counted(a.size, smallest[: min(a.size, _COUNTED_SIGNS)], gap[few])
     if not few.all():
-        heavy = _heavy(a) if averaging else 0
-        many = _averaged(a, z[~few], heavy) if heavy else saddlepoint_tail(a, z[~few])
-        tails[~few] = np.maximum(many, -a.size * LOG10_2)
+        tails[~few] = np.maximum(_many(a, z[~few], averaging), -a.size * LOG10_2)
     out[inside] = tails
     return out
+
+
+def _many(a: FloatArray, z: FloatArray, averaging: bool) -> FloatArray:
+    if a.size <= MOST_SIGNS:
+        return grid_log10(a, z)
+    heavy = _heavy(a) if averaging else 0
+    return _averaged(a, z, heavy) if heavy else saddlepoint_tail(a, z)
 
 
 def _heavy(a: FloatArray) -> int:
