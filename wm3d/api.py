@@ -58,6 +58,8 @@ def embed(
     _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
     seed = _checked_seed(seed)
     if snr is not None:
+        if chosen.strength in parameters:
+            raise Wm3dError(f"{chosen.strength} and snr both set the strength of the mark; give one of them.")
         chosen = chosen.at_snr(mesh, seed, _checked_snr(snr))
     marked, chosen = chosen.embed(mesh, seed)
     return marked, Key(chosen, seed)

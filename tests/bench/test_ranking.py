@@ -63,6 +63,16 @@ def test_schemes_that_miss_a_mesh_have_a_score_and_no_rank():
     assert np.isnan(last["rank"])
 
 
+def test_an_attack_that_failed_with_every_key_leaves_no_rank():
+    calibration, detection, snr, costs = tables()
+    first = detection.index[detection["scheme"] == "song2002 at SNR 44 dB"][0]
+    detection.loc[first, "pd_1e-06"] = np.nan
+    lines = ranking(calibration, detection, snr, costs, PF).set_index("method")
+    assert np.isnan(lines.loc["song2002", "rank"])
+    assert lines.loc["song2002", ["meshes", "score"]].tolist() == [2, pytest.approx(0.7)]
+    assert lines.loc["vertex-ss", "rank"] == 1
+
+
 def test_equal_scores_share_a_rank():
     same = ranking(*tables({"x": (0.1, 0.2, 0.4), "y": (0.4, 0.1, 0.2), "z": (0.0, 0.0, 0.0)}), PF)
     assert same["rank"].tolist() == [1, 1, 3]

@@ -13,6 +13,7 @@ from wm3d.bench.columns import FALSE_ALARMS, TRIALS
 from wm3d.bench.plan import FalseAlarmCell, Task, TrialCell
 from wm3d.bench.seeds import derived_seed, generator
 from wm3d.bench.trial import THRESHOLDS, run_task
+from wm3d.errors import Wm3dError
 from wm3d.metrics import snr
 from wm3d.schemes import Song2002
 from wm3d.schemes.cho2007 import Cho2007Mean
@@ -176,6 +177,24 @@ def test_a_mesh_that_cannot_be_read_is_not_detected():
     assert frame["z"].tolist() == [0.0, 0.0, 0.0]
     assert "axes" in frame["error"][0]
     assert frame["error"][1:].tolist() == ["", ""]
+
+
+def test_a_key_that_a_mesh_cannot_carry_is_not_detected_and_tried_only_once(monkeypatch):
+    tried, embed = [], Song2002.embed
+
+    def refusing(scheme, mesh, seed):
+        tried.append(seed)
+        if len(tried) == 2:
+            raise Wm3dError("one: too faint.")
+        return embed(scheme, mesh, seed)
+
+    monkeypatch.setattr(Song2002, "embed", refusing)
+    for frame in rows(cell(Clean(), wrong_keys=1), cell(GaussianNoise(percent=0.1), wrong_keys=1)):
+        scores = frame[frame["hypothesis"] == "H1"]
+        assert scores["error"].tolist() == ["", "not marked: one: too faint.", ""]
+        assert scores["log10_p"].iloc[1] == 0.0 > scores["log10_p"].iloc[[0, 2]].max()
+        assert (frame["hypothesis"] == "H0-wrong-key").sum() == 2
+    assert len(tried) == 3
 
 
 def test_attacks_with_other_marks_get_them_from_the_scheme_under_test():

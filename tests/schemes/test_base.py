@@ -41,6 +41,26 @@ def test_strength_reaches_the_wanted_snr(power):
     assert scheme.growth**power == pytest.approx(10 ** (-50 / 20), rel=1e-6)
 
 
+def test_strength_is_found_where_the_distortion_hardly_grows_with_it():
+    scheme = Swelling(power=0.3).at_distortion(box(), 0, Budget(metric="snr", value=30.0), tolerance=0.2)
+    assert snr(box(), scheme.embed(box(), 0)[0]) == pytest.approx(30, abs=0.2)
+    with pytest.raises(Wm3dError, match="cannot be set to an SNR of 30 dB"):
+        Swelling(power=0.001).at_snr(box(), 0, 30.0)
+
+
+class Stepwise(Swelling):
+    """Grows in steps of a tenth of a percent."""
+
+    def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:  # noqa: ARG002 (one signature)
+        return mesh.with_vertices((1 + round(self.growth, 3)) * mesh.vertices), self
+
+
+def test_the_nearest_of_all_strengths_is_taken_where_the_distortion_jumps():
+    wanted = -20 * np.log10(0.05) + 0.04  # between the steps of 49 and 50, and nearer to the latter
+    scheme = Stepwise().at_snr(box(), 0, wanted)
+    assert snr(box(), scheme.embed(box(), 0)[0]) == pytest.approx(-20 * np.log10(0.05))
+
+
 def test_strength_is_bracketed_where_corrections_overshoot():
     scheme = Swelling(power=3.0).at_snr(box(), 0, 50.0)  # each would overshoot by twice the miss
     assert snr(box(), scheme.embed(box(), 0)[0]) == pytest.approx(50, abs=1e-3)
@@ -55,9 +75,9 @@ class Bounded(Swelling):
 def test_strength_stays_below_its_bound():
     assert Bounded().at_snr(box(), 0, 6.5).growth == pytest.approx(10 ** (-6.5 / 20))
     with pytest.raises(
-        Wm3dError, match=r"^box: swelling .* an SNR of 6 dB; the nearest is 0\.0206 dB too weak\.$"
+        Wm3dError, match=r"^box: swelling .* an SNR of 5\.9 dB; the nearest is 0\.121 dB too weak\.$"
     ):
-        Bounded().at_snr(box(), 0, 6.0)  # a growth of 0.501
+        Bounded().at_snr(box(), 0, 5.9)  # a growth of 0.507
 
 
 def test_score_is_the_evidence_for_the_signs_of_the_seed():

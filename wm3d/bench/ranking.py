@@ -19,7 +19,7 @@ METHOD = (
     "The score is Pd, averaged over attacks and then over meshes. Its 95 % interval and that of the rank are "
     "percentiles over 10 000 draws of the meshes with replacement, the same draws for every scheme: they "
     "tell how much hangs on the choice of meshes, not on that of keys. A scheme that cannot meet the budget "
-    "on every mesh has a score on the others and no rank."
+    "on a mesh, or on which an attack failed there with every key, has a score on the others and no rank."
 )
 """What a reader must know under a ranking."""
 
@@ -103,10 +103,12 @@ def _of_budget(calibration: pd.DataFrame, detection: pd.DataFrame, found: str) -
     lines: dict[str, dict[str, Any]] = {}
     for scheme, group in calibration.groupby("scheme", sort=False):
         trials = detection[detection["scheme"] == scheme]
-        by_mesh = trials.groupby("mesh", sort=False)[found].mean().reindex(meshes)
-        met = by_mesh.dropna()
+        by_mesh = trials.groupby("mesh", sort=False)[found]
+        # an attack that failed throughout leaves no score
+        means = {str(mesh): float(shares.mean(skipna=False)) for mesh, shares in by_mesh}
+        met = np.array([means[mesh] for mesh in meshes if np.isfinite(means.get(mesh, np.nan))])
         if len(met) == len(meshes):
-            scores[str(scheme)] = met.to_numpy(np.float64)
+            scores[str(scheme)] = met
         lines[str(scheme)] = {
             "budget": group["budget"].iloc[0],
             "rank": np.nan,
@@ -114,8 +116,8 @@ def _of_budget(calibration: pd.DataFrame, detection: pd.DataFrame, found: str) -
             "rank_high": np.nan,
             "scheme": scheme,
             "method": group["method"].iloc[0],
-            "score": met.mean(),
-            **dict(zip(("score_low", "score_high"), _percentiles(_resampled(met.to_numpy())), strict=True)),
+            "score": met.mean() if len(met) else np.nan,
+            **dict(zip(("score_low", "score_high"), _percentiles(_resampled(met)), strict=True)),
             "survived": (trials[found].dropna() >= DETECTED).mean() if len(met) else np.nan,
             "meshes": len(met),
             "log10_pf_least": trials["log10_pf_least"].mean(),

@@ -24,6 +24,10 @@ MOST_RESIDUAL = 0.3
 the same vertices in the same order; in another order it is nearly 1."""
 
 
+class NotMarkedError(Wm3dError):
+    """A scheme refused to mark a mesh with the key of a trial."""
+
+
 @dataclass(frozen=True, eq=False)
 class Mark:
     """A marked mesh, its key's seed, the scheme to read it with, its SNR in dB, what it took in s and MB."""
@@ -82,23 +86,37 @@ class Subjects:
 
     def __init__(self, meshes: Mapping[str, Mesh], first: Cell) -> None:
         self._meshes, self._first = meshes, first
-        self._last: tuple[int, Mark] | None = None
+        self._last: tuple[int, Mark | NotMarkedError] | None = None
         self._cylinders: dict[str, Cylinder | None] = {}
 
     def mark(self, trial: int) -> Mark:
-        """Return the mesh marked with the key of a trial; the last one is kept."""
+        """Return the mesh marked with the key of a trial; the last one is kept, or why it was refused.
+
+        Raises
+        ------
+        NotMarkedError
+            If the mesh cannot carry the mark.
+        """
         if self._last is None or self._last[0] != trial:
-            cell = self._first
-            seed = derived_seed(cell.seed, cell.mesh_digest, trial, "key")
-            original = self._meshes[cell.mesh]
-            start = time.perf_counter()
-            if self._last is None:
-                (marked, scheme), mb = with_peak(lambda: cell.scheme.embed(original, seed))
-            else:
-                (marked, scheme), mb = cell.scheme.embed(original, seed), float("nan")
-            seconds = time.perf_counter() - start
-            self._last = trial, Mark(marked, seed, scheme, snr(original, marked), seconds, mb)
+            try:
+                self._last = trial, self._marked(trial)
+            except Wm3dError as error:
+                self._last = trial, NotMarkedError(f"not marked: {error}")
+        if isinstance(self._last[1], NotMarkedError):
+            raise self._last[1]
         return self._last[1]
+
+    def _marked(self, trial: int) -> Mark:
+        cell = self._first
+        seed = derived_seed(cell.seed, cell.mesh_digest, trial, "key")
+        original = self._meshes[cell.mesh]
+        start = time.perf_counter()
+        if self._last is None:
+            (marked, scheme), mb = with_peak(lambda: cell.scheme.embed(original, seed))
+        else:
+            (marked, scheme), mb = cell.scheme.embed(original, seed), float("nan")
+        seconds = time.perf_counter() - start
+        return Mark(marked, seed, scheme, snr(original, marked), seconds, mb)
 
     def read(self, cell: Cell, trial: int) -> Reading:
         """Attack the mesh of a cell and read it.

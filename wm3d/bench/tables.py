@@ -62,8 +62,8 @@ def detection(rows: pd.DataFrame, pf: Sequence[float], sigmas: Sigmas | None = N
     is the mean bit error rate of schemes that carry a message, with its 95 % interval by Student's t, NaN for
     others; a mesh that cannot be read has one half of the bits wrong.
 
-    Trials whose attack failed are counted in `failed` and left out; a mesh that cannot be read counts as not
-    detected, with p = 1.
+    Trials whose attack failed are counted in `failed` and left out; a mesh that the scheme refuses to mark,
+    or cannot read, is counted in `unreadable` and as not detected, with p = 1.
     """
     table = _table(rows, "H1", lambda group: _detection_row(group, pf))
     sigma = [

@@ -11,7 +11,7 @@ from wm3d.bench.calibration import calibration_row
 from wm3d.bench.columns import COLUMNS, TRY_AGAIN
 from wm3d.bench.plan import CalibrationCell, Cell, FalseAlarmCell, Task, TrialCell
 from wm3d.bench.seeds import derived_seed
-from wm3d.bench.subjects import Subjects
+from wm3d.bench.subjects import NotMarkedError, Subjects
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 from wm3d.schemes import Scheme
@@ -23,6 +23,9 @@ THRESHOLDS = np.arange(-30, 66) / 10
 _SECONDS = ("seconds", "embed_seconds", "attack_seconds", "score_seconds")
 _MEASURED = ("statistic", "z", "log10_p", "snr_db", "axis_deg", "log10_p_least")
 _ONCE = ("bit_error_rate", "embed_mb")  # of the key that was embedded, or of embedding it
+
+_LOST = dict.fromkeys(("statistic", "z", "log10_p", "log10_p_least"), 0.0)
+"""Score of a key that its mesh could not carry: p = 1, as where the mark cannot be read."""
 
 Row = dict[str, Any]
 
@@ -109,6 +112,8 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
         score_seconds = reading.read_seconds + time.perf_counter() - start
     except MemoryError:
         raise
+    except NotMarkedError as refusal:
+        return [row | (_LOST if cell.hypothesis == "H1" else {}) | {"error": str(refusal)}], refusal
     except Exception as error:  # whatever an engine raises fails this trial, not the run; the row says it
         return [row | {"error": f"{type(error).__name__}: {error}"}], error
     row |= {

@@ -25,10 +25,12 @@ BRACKETED = 1e-3
 """How near it comes where moves are far from proportional to the strength, in dB."""
 
 JUMP = 0.05
-"""What it accepts where the distortion jumps with the strength, in dB."""
+"""What it accepts where the distortion jumps with the strength, or the strength has a bound, in dB."""
 
 _STEPS = 40
 _XTOL = 1e-6  # of ln strength: a narrower bracket holds a jump
+_LEAST_GAIN = 0.01  # dB a dB of strength, below which more of it does nothing
+_SLOWEST = 0.2  # dB a dB of strength that a step reckons with: MSDM2 grows by about half
 _NEPERS = math.log(10) / 20  # ln strength a decibel, where moves are proportional to the strength
 
 
@@ -129,13 +131,13 @@ class Scheme(Component, ABC):
 
         def headroom(log_strength: float) -> float:
             marked, _ = self._of_strength(log_strength).embed(mesh, seed)
-            rooms.append(budget.headroom(budget.measured(mesh, marked)))
-            return rooms[-1]
+            rooms[log_strength] = budget.headroom(budget.measured(mesh, marked))
+            return rooms[log_strength]
 
-        rooms: list[float] = []
+        rooms: dict[float, float] = {}
         limit, value = math.log(self._strength_limit()), math.log(getattr(self, self.strength))
         bracket: dict[bool, float] = {}  # ln strength by whether it is too weak
-        last = math.inf
+        last = None  # ln strength
         for _ in range(_STEPS):
             room = headroom(value)
             if abs(room) <= tolerance:
@@ -143,20 +145,24 @@ class Scheme(Component, ABC):
             if not abs(room) < REACH:  # also NaN, and an SNR of ∞ where no vertex moves
                 break
             bracket[room > 0] = value
-            if len(bracket) == 1 and abs(room - last) < tolerance:
-                break  # at a bound of the strength, or where more of it does nothing
-            if len(bracket) == 2 and abs(room) > abs(last) / 2:
-                value = _bracketed(headroom, bracket, max(tolerance, BRACKETED))
-                if abs(headroom(value)) <= max(tolerance, JUMP):
-                    return self._of_strength(value)
-                break
-            proposed = value + room * _NEPERS  # exact where moves are proportional
-            value, last = proposed if proposed < limit else (value + limit) / 2, room
-        nearest = min(rooms, key=abs)
-        way = f"; the nearest is {abs(nearest):.3g} dB too {'weak' if nearest > 0 else 'strong'}"
+            gain = 1.0  # dB that a dB of strength wins; 1 where moves are proportional to it
+            if last is not None:
+                gain = (rooms[last] - room) * _NEPERS / (value - last)
+                if len(bracket) == 1 and (gain < _LEAST_GAIN or abs(value - last) < _XTOL):
+                    break  # where more of it does nothing, or at a bound of the strength
+                if len(bracket) == 2 and abs(room) > abs(rooms[last]) / 2:
+                    _bracketed(headroom, bracket, max(tolerance, BRACKETED))
+                    break
+            proposed = value + room * _NEPERS / min(max(gain, _SLOWEST), 1.0)
+            value, last = proposed if proposed < limit else (value + limit) / 2, value
+        nearest = min(rooms, key=lambda tried: abs(rooms[tried]))
+        room = rooms[nearest]
+        if abs(room) <= max(tolerance, JUMP):
+            return self._of_strength(nearest)
+        way = f"; the nearest is {abs(room):.3g} dB too {'weak' if room > 0 else 'strong'}"
         raise Wm3dError(
             f"{mesh.name}: {self.label()} cannot be set to {budget.in_words()}"
-            f"{way if abs(nearest) < REACH else ''}."
+            f"{way if abs(room) < REACH else ''}."
         )
 
     def _of_strength(self, log_strength: float) -> Self:
@@ -168,11 +174,11 @@ class Scheme(Component, ABC):
         return min((m.lt for m in metadata if hasattr(m, "lt")), default=math.inf)
 
 
-def _bracketed(headroom: Callable[[float], float], bracket: Mapping[bool, float], tolerance: float) -> float:
-    """Return the ln strength inside a bracket at which the headroom is 0, or as good as 0."""
+def _bracketed(headroom: Callable[[float], float], bracket: Mapping[bool, float], tolerance: float) -> None:
+    """Try strengths in a bracket until the headroom is as good as 0, or the bracket as narrow as can be."""
 
     def room(log_strength: float) -> float:
         value = headroom(log_strength)
         return value if abs(value) > tolerance else 0.0  # near enough to stop
 
-    return float(brentq(room, bracket[True], bracket[False], xtol=_XTOL))
+    brentq(room, bracket[True], bracket[False], xtol=_XTOL)
