@@ -12,7 +12,7 @@ from wm3d.arrays import IntArray
 from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import without_collapsed, without_unused
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, decode_mesh, encode_mesh
+from wm3d.mesh import Mesh, decode_mesh, encode_mesh, places
 
 
 class RoundTrip(Attack):
@@ -139,9 +139,9 @@ def welded(mesh: Mesh, distance: float) -> Mesh:
 
 
 def _coincident(mesh: Mesh) -> IntArray:
-    """For every vertex the first one in the same place (n,); 0.0 and -0.0 are the same."""
-    _, first, inverse = np.unique(mesh.vertices + 0.0, axis=0, return_index=True, return_inverse=True)
-    return first[inverse.ravel()]
+    """For every vertex the first one in the same place (n,)."""
+    first, place = places(mesh.vertices)
+    return first[place]
 
 
 def _near(mesh: Mesh, distance: float) -> IntArray:

@@ -7,14 +7,31 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from wm3d.arrays import FloatArray
 from wm3d.attacks import kernels
 from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import mean_radius
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, sewn
 
 
 class Noise(Attack):
-    """Independent noise of mean 0 on every coordinate; what all kinds of it share."""
+    """Independent noise of mean 0 on every coordinate; what all kinds of it share.
+
+    Vertices in one place move together, so noise tears no seam.
+    """
+
+    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
+        """Return the noisy mesh; see `Attack`."""
+        surface, place = sewn(mesh)
+        noisy = self._noisy(surface, rng)
+        if surface is not mesh:
+            noisy = noisy[place]
+        noisy.flags.writeable = False  # the mesh keeps it, uncopied
+        return mesh.with_vertices(noisy)
+
+    @abstractmethod
+    def _noisy(self, mesh: Mesh, rng: np.random.Generator) -> FloatArray:
+        """Return where the vertices go, in an array of its own."""
 
     @abstractmethod
     def sigma_percent(self, mesh: Mesh) -> float:
@@ -47,12 +64,11 @@ class GaussianNoise(Noise):
         """Return the standard deviation of each coordinate, in percent of the diagonal."""
         return self.percent if self.amplitude == "per-axis" else self.percent / math.sqrt(3)
 
-    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
-        """Return the noisy mesh; see `Attack`."""
-        sigma = self.sigma_percent(mesh) / 100 * mesh.diagonal
-        noisy = kernels.with_noise(mesh.vertices, sigma, rng)
-        noisy.flags.writeable = False  # the mesh keeps it, uncopied
-        return mesh.with_vertices(noisy)
+    def _noisy(self, mesh: Mesh, rng: np.random.Generator) -> FloatArray:
+        noisy: FloatArray = kernels.with_noise(
+            mesh.vertices, self.sigma_percent(mesh) / 100 * mesh.diagonal, rng
+        )
+        return noisy
 
 
 class UniformNoise(Noise):
@@ -74,9 +90,8 @@ class UniformNoise(Noise):
         """Return the standard deviation of each coordinate, A/√3, in percent of the diagonal."""
         return self.percent * mean_radius(mesh) / mesh.diagonal / math.sqrt(3)
 
-    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
-        """Return the noisy mesh; see `Attack`."""
+    def _noisy(self, mesh: Mesh, rng: np.random.Generator) -> FloatArray:
         vertices = rng.uniform(-1, 1, mesh.vertices.shape)
         vertices *= self.percent / 100 * mean_radius(mesh)
         vertices += mesh.vertices
-        return mesh.with_vertices(vertices)
+        return vertices

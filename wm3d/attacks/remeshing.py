@@ -12,11 +12,14 @@ from pydantic import Field
 from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import without_unused
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, orientation
+from wm3d.mesh import Mesh, orientation, sewn
 
 
 class Remeshing(Attack):
-    """A filter of pymeshlab that makes another mesh of the surface; what all kinds of it share."""
+    """A filter of pymeshlab that makes another mesh of the surface; what all kinds of it share.
+
+    Vertices in one place are welded first.
+    """
 
     random: ClassVar[bool] = False
 
@@ -29,6 +32,7 @@ class Remeshing(Attack):
         """Return the new mesh; see `Attack`."""
         import pymeshlab
 
+        mesh = sewn(mesh).mesh
         # the filters take the outside from the winding
         inward = orientation(mesh) < 0
         meshes = pymeshlab.MeshSet()

@@ -9,11 +9,13 @@ from wm3d.arrays import FloatArray, IntArray
 from wm3d.attacks.base import Attack
 from wm3d.attacks.clustering import cluster_to
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, sewn
 
 
 class Simplify(Attack):
     """Simplification that stops at a share of the faces; the row of a trial records the count achieved.
+
+    Vertices in one place are welded first.
 
     Attributes
     ----------
@@ -44,6 +46,7 @@ class Simplify(Attack):
         target = max(4, round(self.ratio * len(mesh.faces)))
         if target >= len(mesh.faces):
             return mesh
+        mesh = sewn(mesh).mesh
         # The engines hold errors against absolute bounds (in micrometres a bunny kept 99 % of its faces), so
         # all meshes come to them at one size: that of the cube from −1 to 1.
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)

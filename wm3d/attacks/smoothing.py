@@ -7,7 +7,7 @@ from pydantic import Field
 
 from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import neighbour_mean
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, sewn
 
 
 class LaplacianSmoothing(Attack):
@@ -62,8 +62,9 @@ class TaubinSmoothing(Attack):
 
 
 def smoothed(mesh: Mesh, weights: tuple[float, ...]) -> Mesh:
-    """Return the mesh after one Laplacian step for each weight."""
-    mean, vertices = neighbour_mean(mesh), mesh.vertices
+    """Return the mesh after one Laplacian step for each weight; vertices in one place count as one."""
+    surface, place = sewn(mesh)
+    mean, vertices = neighbour_mean(surface), surface.vertices
     for weight in weights:
         vertices = vertices + weight * (mean @ vertices - vertices)
-    return mesh.with_vertices(vertices)
+    return mesh.with_vertices(vertices[place])

@@ -9,7 +9,7 @@ from wm3d.arrays import FloatArray, IntArray
 from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import neighbour_mean, without_collapsed, without_unused
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, sewn
 
 
 class Subdivide(Attack):
@@ -19,7 +19,8 @@ class Subdivide(Attack):
     ----------
     rule : "midpoint", "loop" or "sqrt3"
         "midpoint" quarters the faces and moves no vertex; "loop" (Loop 1987) quarters and smooths them;
-        "sqrt3" (Kobbelt 2000) triples and smooths them, and leaves borders as they are.
+        "sqrt3" (Kobbelt 2000) triples and smooths them, and leaves borders as they are. Vertices in one place
+        are welded first.
     """
 
     name: Literal["subdivide"] = "subdivide"
@@ -35,6 +36,7 @@ class Subdivide(Attack):
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (nothing is random)
         """Return the subdivided mesh; see `Attack`."""
+        mesh = sewn(mesh).mesh
         if self.rule == "sqrt3":
             vertices, faces = sqrt3(mesh)
         elif self.rule == "midpoint":

@@ -16,7 +16,7 @@ from wm3d.mesh.moments import (
     volume_moments,
 )
 from wm3d.mesh.normals import vertex_normals
-from wm3d.mesh.places import places
+from wm3d.mesh.places import places, sewn
 from wm3d.mesh.repair import whole_surface
 from wm3d.mesh.sampling import surface_points
 from wm3d.mesh.solid import SolidMoments, solid_moments, whitening
@@ -38,6 +38,7 @@ __all__ = [
     "orientation",
     "places",
     "save_mesh",
+    "sewn",
     "signed_volume",
     "solid_moments",
     "surface_area",

@@ -12,7 +12,7 @@ from scipy import sparse
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, surface_area
+from wm3d.mesh import Mesh, sewn, surface_area
 from wm3d.schemes.radial import MEAN, Moment, RadialScheme, Spread, kernels
 
 SPACING = 0.006
@@ -85,6 +85,7 @@ class RadialArea(RadialScheme):
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
         """Move the vertices along their rays by the least squares that meet the means; see `Scheme.embed`."""
         signs = self.signs(seed)
+        given, (mesh, place) = mesh, sewn(mesh)  # no seam is torn
         surface = self._surface(mesh)
         means = surface.spread.moments(self.moment)
         target = self.moment.neutral + self.alpha * signs
@@ -107,7 +108,7 @@ class RadialArea(RadialScheme):
                 f"{mesh.name}: its faces are too large for {self.bits} bins: {lost} bits cannot be set; use "
                 "fewer bits or a finer mesh."
             )
-        return marked, self
+        return given.with_vertices(marked.vertices[place]), self
 
 
 def _jacobian(mesh: Mesh, surface: _Surface, means: FloatArray) -> sparse.csr_array:

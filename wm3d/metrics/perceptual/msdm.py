@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wm3d.arrays import FloatArray, IntArray
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, sewn
 from wm3d.metrics.perceptual import kernels
 from wm3d.metrics.perceptual.connectivity import Connectivity
 from wm3d.metrics.perceptual.curvature import mean_absolute_curvature
@@ -127,10 +127,21 @@ class _Side:
 def _sides(original: Mesh, other: Mesh, same_order: bool = False) -> tuple[_Side, _Side]:
     check_size(original, other)  # windows in the unit of the larger mesh would hold all of the smaller
     check_size(other, original)
+    original, place = sewn(original)
+    other = sewn(other).mesh if not same_order else _folded(other, place, original)
     origin = original.vertices.mean(axis=0)
     unit = float(max(np.ptp(mesh.vertices, axis=0).max() for mesh in (original, other)))
     orders = [tree_order(mesh.vertices) for mesh in (original, original if same_order else other)]
     return _Side(original, origin, unit, orders[0]), _Side(other, origin, unit, orders[1])
+
+
+def _folded(mesh: Mesh, place: IntArray, onto: Mesh) -> Mesh:
+    """Give a mesh the vertices of another that it has at the seams, too; (n,) `place` says which."""
+    if len(onto.vertices) == len(mesh.vertices):
+        return mesh
+    vertices = np.empty_like(onto.vertices)
+    vertices[place] = mesh.vertices
+    return Mesh(vertices, onto.faces, mesh.name)
 
 
 def _pool(local: FloatArray) -> float:

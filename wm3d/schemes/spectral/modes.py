@@ -15,6 +15,9 @@ from wm3d.mesh import Mesh
 EXACT = 6000
 """Vertices up to which shift-invert Lanczos finds the modes; with more of them it would take minutes."""
 
+MOST_PARTS = 256
+"""Parts of a mesh: each has a constant among the lowest modes, so they must be found, too."""
+
 _CLUSTERS_A_MODE = 10
 _SMOOTHING = 2 / 3  # over the degree: the damped Jacobi step of smoothed aggregation
 _SHIFT = 1e-6  # K is singular
@@ -41,7 +44,7 @@ def lowest_modes(mesh: Mesh, count: int) -> FloatArray:
     Raises
     ------
     Wm3dError
-        If the mesh has fewer than four vertices a mode.
+        If the mesh has fewer than four vertices a mode, or falls into more than `MOST_PARTS` parts.
 
     Notes
     -----
@@ -57,7 +60,10 @@ def lowest_modes(mesh: Mesh, count: int) -> FloatArray:
     adjacency = _adjacency(np.searchsorted(used, mesh.faces).astype(np.int64), len(used))
     degrees = np.asarray(adjacency.sum(axis=0), dtype=np.float64).ravel()
     laplacian = (sparse.diags_array(degrees) - adjacency).tocsc()
-    wanted = count + connected_components(adjacency, directed=False)[0]
+    parts = connected_components(adjacency, directed=False)[0]
+    if parts > MOST_PARTS:
+        raise Wm3dError(f"{mesh.name}: falls into {parts} parts, each with a constant mode; weld it first.")
+    wanted = count + parts
     if len(used) <= max(EXACT, 4 * wanted):
         start = np.random.default_rng(0).normal(size=len(used))
         values, vectors = eigsh(laplacian, min(wanted, len(used) - 1), sigma=-_SHIFT, v0=start)
