@@ -54,6 +54,18 @@ def test_builtin_components_are_built_by_name():
     assert registry.build("red", {"shade": 0.25}) == Red(shade=0.25)
 
 
+class Wall(Component):
+    name: Literal["wall"] = "wall"
+    paint: Red = Red()
+
+
+def test_a_component_as_a_parameter_may_be_a_bare_name():
+    walls = Registry("wall", Component, Wall)
+    assert walls.build("wall", {"paint": "red"}) == Wall()
+    with pytest.raises(Wm3dError, match=r"^wall wall: paint"):
+        walls.build("wall", {"paint": "green"})
+
+
 def test_installed_packages_add_theirs(plugins):
     plugins.append(("anything", f"{__name__}:Blue"))
     assert paints().build("blue", {}) == Blue()

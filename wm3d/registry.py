@@ -7,6 +7,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar
 
 from pydantic import GetCoreSchemaHandler, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
 from wm3d.component import Component
@@ -75,7 +76,7 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         return len(self._classes)
 
     def build(self, name: str, parameters: Mapping[str, Any]) -> T:
-        """Return a component from its name and parameters.
+        """Return a component from its name and parameters; a parameter that is one too may be a bare name.
 
         Raises
         ------
@@ -83,11 +84,18 @@ class Registry(Mapping[str, type[T]], Generic[T]):
             If the name is unknown or a parameter wrong; all wrong parameters are named in one sentence.
         """
         cls = self[name]
+        given = {field: _named(value, cls.model_fields.get(field)) for field, value in parameters.items()}
         try:
-            return cls.model_validate({"name": name, **parameters})
+            return cls.model_validate({"name": name, **given})
         except ValidationError as error:
             faults = describe(error, cls)
             raise Wm3dError(f"{self.kind} {name}: {faults}" + "." * (not faults.endswith("?"))) from None
+
+
+def _named(value: Any, field: FieldInfo | None) -> Any:
+    """Return the component that a bare name means, as data, where a field holds one."""
+    bare = isinstance(value, str) and field is not None and isinstance(field.default, Component)
+    return {"name": value} if bare else value
 
 
 def _package(point: EntryPoint) -> str:

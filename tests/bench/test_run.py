@@ -265,9 +265,21 @@ def test_a_cell_for_which_memory_ran_out_is_named_and_run_again(
     assert results(tmp_path / "run") == results(small_run)
 
 
+def test_a_config_is_not_replaced_by_the_config_as_run(config, tmp_path):
+    mine = tmp_path / "mine" / "config.yaml"
+    mine.parent.mkdir()
+    mine.write_bytes(config().read_bytes())
+    with pytest.raises(Wm3dError, match="would be replaced by the config as run; choose another --out"):
+        run_config(mine, out=mine.parent)
+    assert mine.read_bytes() == config().read_bytes()
+    assert [file.name for file in mine.parent.iterdir()] == ["config.yaml"]
+
+
 def test_bad_input_leaves_no_directory(config, tmp_path):
-    with pytest.raises(Wm3dError, match="unknown mesh 'bunnny'"):
-        run_config(config(), out=tmp_path / "run", overrides=["cases.0.meshes=[bunnny]"])
+    with pytest.raises(
+        Wm3dError, match=r"(?s)^\S*: 2 faults:\n  unknown mesh 'bunnny'.*\n  unknown mesh 'cat'"
+    ):
+        run_config(config(), out=tmp_path / "run", overrides=["cases.0.meshes=[bunnny, cat]"])
     with pytest.raises(Wm3dError, match="unknown mesh 'horsee'"):
         run_config(config(), out=tmp_path / "run", overrides=["cross_meshes=[horsee]"])
     assert not (tmp_path / "run").exists()

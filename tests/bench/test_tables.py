@@ -6,7 +6,7 @@ import pytest
 from scipy.stats import norm, ttest_1samp
 
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
-from wm3d.bench.summary import BEYOND, FOUND, GONE, UNTRIED, verdict
+from wm3d.bench.summary import BEYOND, FAILED, FOUND, GONE, verdict
 from wm3d.bench.tables import NULL_LEVEL, all_tables, counted, detection, nulls, swept
 from wm3d.stats import clopper_pearson
 
@@ -52,7 +52,7 @@ def test_a_pf_that_no_key_of_so_few_signs_reaches_is_no_loss():
         (few, 1e-6, BEYOND),
         (few, 1e-3, FOUND),
         (many, 1e-6, GONE),
-        (none, 1e-6, UNTRIED),
+        (none, 1e-6, FAILED),
     ):
         (line,) = detection(rows, PF).to_dict("records")
         assert verdict(line, pf) == word

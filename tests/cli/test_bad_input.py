@@ -88,7 +88,7 @@ def _table() -> list[tuple[str, str, str]]:
         (f"{EMBED} --alpha -1", "alpha", "greater than 0"),
         (f"{EMBED} --alpha 1e99", "alpha", "less than or equal to"),
         (f"{EMBED} --alpha nan", "alpha", "finite"),
-        (f"{EMBED} --alpha 1 --snr 40", "--alpha and --snr", "give one"),
+        (f"{EMBED} --alpha 1 --snr 40", "alpha and --snr", "give one"),
         (f"{EMBED} --alpha 1 alpha=2", "alpha", "twice"),
         (f"{EMBED} --snr nan", "good.ply", "SNR"),
         (f"{EMBED} --snr 1e9", "good.ply", "SNR"),

@@ -22,8 +22,8 @@ LEAST_LOG10_PF = -8
 """Left end of the ROC curves; the paper counted no further."""
 
 NULL_CAPTION = (
-    "Statistic: z of the detector, large is marked. Null: uniform keys on the mesh under test, exact "
-    "(tail of a sum of signs). A trial is detected if its p-value is at most Pf. Bands: 95 % Clopper–Pearson."
+    "Statistic: z of the detector, large is marked. Null: uniform keys on the mesh under test, exact. "
+    "A trial is detected if its p-value is at most Pf. Bands: 95 % Clopper–Pearson."
 )
 """What a reader must know to read Pf, under every ROC figure."""
 

@@ -80,7 +80,7 @@ def render(run: Run) -> str:
             statistics=findings.statistics(experiment),
             null_scores=findings.null_scores(run.rows),
             departures=findings.departures(run.tables["nulls"]),
-            keys_counted=run.tables["false_alarms"]["keys"].max() if "false_alarms" in run.tables else 0,
+            keys_counted=_keys_counted(run.tables),
             faults=findings.faults(run.rows),
             figures={name: Markup(svg) for name, svg in run.figures.items()},
             tables=[html_table(name, table) for name, table in run.tables.items() if name not in APART],
@@ -93,6 +93,19 @@ def render(run: Run) -> str:
             not_blind=[scheme.label() for scheme in schemes if not scheme.blind],
         )
     )
+
+
+def _whole(number: int) -> str:
+    return f"{number:,}".replace(",", "\u202f")
+
+
+def _keys_counted(tables: Mapping[str, pd.DataFrame]) -> str:
+    """Return in words how many keys the counted curves have; whole transforms of a scheme's own size."""
+    if "false_alarms" not in tables:
+        return ""
+    keys = tables["false_alarms"]["keys"]
+    fewest, most = _whole(keys.min()), _whole(keys.max())
+    return most if fewest == most else f"{fewest} to {most}, by the scheme,"
 
 
 def _leaderboard(tables: Mapping[str, pd.DataFrame]) -> HtmlTable | None:
@@ -133,7 +146,7 @@ def _environment() -> Environment:
         "power": short_power,
         "power_of_ten": power_of_ten,
         "code_spans": _code_spans,
-        "whole": lambda number: f"{number:,}".replace(",", "\u202f"),
+        "whole": _whole,
         "time": lambda text: datetime.fromisoformat(text).strftime("%Y-%m-%d %H:%M:%S %Z"),
         "listed": _listed,
     }

@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from wm3d.bench.columns import COLUMNS, TRY_AGAIN
-from wm3d.bench.config import load_experiment
+from wm3d.bench.config import Experiment, load_experiment
 from wm3d.bench.estimate import print_estimate
 from wm3d.bench.execute import default_workers, execute
 from wm3d.bench.manifest import manifest
@@ -20,6 +20,7 @@ from wm3d.bench.report import write_report
 from wm3d.bench.store import DamagedCellError, RunDirectory
 from wm3d.bench.summary import print_summary
 from wm3d.bench.yamlfile import write_yaml
+from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, datasets
 
 
@@ -76,7 +77,9 @@ def run_config(
     experiment = load_experiment(path, overrides)
     directory = RunDirectory(out or Path("runs") / experiment.name)
     workers = workers or default_workers()
-    meshes = {name: datasets.resolve(name) for name in experiment.mesh_names}
+    if _is_own_copy(path, directory):
+        raise Wm3dError(f"{path}: would be replaced by the config as run; choose another --out.")
+    meshes = _resolved(experiment, path)
     first = calibrations(experiment, meshes)
     if dry_run:
         cells = [*first, *plan(experiment, meshes, _strengths(first, directory))]
@@ -97,6 +100,26 @@ def run_config(
         report = write_report(directory.path)
         print_summary(report.tables, directory.path)
     return Outcome(directory.path, lost_trials + report.failed)
+
+
+def _is_own_copy(config: str | Path, directory: RunDirectory) -> bool:
+    """Tell whether a config is where the run would store it, in a folder that is no run directory yet."""
+    stored = directory.path / "config.yaml"
+    return stored.exists() and stored.samefile(config) and not (directory.path / "cells").exists()
+
+
+def _resolved(experiment: Experiment, config: str | Path) -> dict[str, Mesh]:
+    """Return the meshes of an experiment by name; all that cannot be had are told at once."""
+    meshes, faults = {}, []
+    for name in experiment.mesh_names:
+        try:
+            meshes[name] = datasets.resolve(name)
+        except Wm3dError as error:
+            faults.append(str(error))
+    if faults:
+        count = f"{len(faults)} faults:\n  " if len(faults) > 1 else ""
+        raise Wm3dError(f"{config}: {count}" + "\n  ".join(faults))
+    return meshes
 
 
 def _strengths(calibrated: list[Cell], directory: RunDirectory) -> dict[str, float]:

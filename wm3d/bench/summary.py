@@ -18,7 +18,7 @@ PLAIN_WIDTH = 110
 DETECTED, LOST = 0.99, 0.5
 """Pd from which a mark counts as surviving an attack, and below which it counts as lost."""
 
-FOUND, AT_TIMES, GONE, UNTRIED = "found", "found at times", "lost", "not tried"
+FOUND, AT_TIMES, GONE, FAILED = "found", "found at times", "lost", "failed"
 BEYOND = "out of reach"
 """No key of so few signs has so small a false-alarm probability."""
 
@@ -38,7 +38,7 @@ def verdict(line: Mapping[Any, Any], pf: float) -> str:
     """Return the word for a line of the detection table at one of its Pf."""
     share = line[f"pd_{pf:g}"]
     if not line["trials"]:
-        return UNTRIED
+        return FAILED
     if line["log10_pf_least"] > math.log10(pf):
         return BEYOND
     return FOUND if share >= DETECTED else GONE if share < LOST else AT_TIMES

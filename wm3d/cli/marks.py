@@ -94,8 +94,6 @@ def embed(
     from wm3d.metrics import snr as measured_snr
     from wm3d.schemes import SCHEMES
 
-    if alpha is not None and snr is not None:
-        raise Wm3dError("--alpha and --snr both set the strength of the mark; give one of them.")
     parameters = assignments(
         pairs or (),
         alpha=alpha,
@@ -103,6 +101,8 @@ def embed(
         region=None if region is None else region_corners(region),
     )
     chosen = SCHEMES.build(scheme or default_scheme(parameters), parameters)
+    if snr is not None and chosen.strength in parameters:
+        raise Wm3dError(f"{chosen.strength} and --snr both set the strength of the mark; give one of them.")
     _keep_apart(key, source, target)
     for file in (target, key):
         check_target(file)

@@ -46,17 +46,19 @@ def attack(
     import numpy as np
 
     from wm3d.attacks import ATTACKS, Noise
-    from wm3d.mesh import check_target, save_mesh
+    from wm3d.mesh import check_target, decode_mesh, encode_mesh, write_whole
 
     chosen = ATTACKS.build(name, assignments(pairs or ()))
     keep_original(source, target, "attacked mesh")
     check_target(target)
     mesh = read_mesh(source)
     attacked = chosen(mesh, np.random.default_rng(seed))
-    save_mesh(attacked, target)
+    content = encode_mesh(attacked, target)
+    write_whole(target, content)
+    written = decode_mesh(content, target)  # STL has three vertices a face
     typer.echo(f"{source} -> {target}: {chosen.label()}")
-    typer.echo(f"vertices {len(mesh.vertices)} -> {len(attacked.vertices)}")
-    typer.echo(f"faces    {len(mesh.faces)} -> {len(attacked.faces)}")
+    typer.echo(f"vertices {len(mesh.vertices)} -> {len(written.vertices)}")
+    typer.echo(f"faces    {len(mesh.faces)} -> {len(written.faces)}")
     if isinstance(chosen, Noise):
         typer.echo(f"sigma per axis: {chosen.sigma_percent(mesh):.4g} % of the diagonal of the bounding box")
 

@@ -147,8 +147,9 @@ class RangeDct(Scheme):
         if reference is None:
             laid = host.mark.amplitude.shape[0]
             raise Wm3dError(
-                f"{mesh.name}: the mark cannot be read even from the marked mesh, which has too few vertices "
-                f"or bounds no solid; try fewer blocks than {laid} or a larger alpha than {self.alpha:g}."
+                f"{mesh.name}: the mark cannot be read even from the marked mesh, which has too few "
+                f"vertices, bounds no solid or is out of shape; try another alpha than {self.alpha:g}"
+                + (f" or fewer blocks than {laid}." if laid > 1 else ".")
             )
         scheme = self.model_copy(update={"reference": reference})
         if host.ways > 1 and not scheme._tells_sides_apart(marked, seed):
