@@ -31,7 +31,7 @@ def tables(methods=METHODS, meshes=MESHES) -> tuple[pd.DataFrame, ...]:
                 values = {"pd_1e-06": score + shift, "log10_pf_least": -19.3, "ber": np.nan}
                 trials.append(line | values)
     detection = pd.DataFrame(trials)
-    snr = detection[["scheme"]].assign(snr_db=44.0)
+    snr = detection[["scheme"]].assign(snr_db=44.0, min=43.5, max=44.25)
     costs = dict.fromkeys(("embed_seconds", "score_seconds", "embed_mb"), 1.0)
     return pd.DataFrame(lines), detection, snr, detection[["scheme"]].assign(**costs)
 
@@ -101,6 +101,7 @@ def test_leaderboard_is_strict_json_with_what_it_was_made_from():
     assert content["entries"][2]["left_out"] == {"c": "c: cannot"}
     assert content["entries"][2]["strengths"] == {"a": 1.5, "b": 1.5}
     assert content["entries"][0]["bit_error_rate"] is None
+    assert content["entries"][0]["snr_apart_db"] == 0.75
     assert (content["meshes"]["a"], content["attacks"], content["pf"]) == ("a" * 64, ["clean"], PF)
 
 

@@ -77,6 +77,7 @@ HEADINGS = {
     "pd": "Pd",
     "log10_pf_exact": "exact log10 Pf",
     "snr_db": "mean",
+    "snr_apart": "keys apart, dB",
     "mean_deg": "mean °",
     "median_deg": "median °",
     "max_deg": "max °",

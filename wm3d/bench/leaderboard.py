@@ -74,6 +74,7 @@ def _entry(line: Mapping[str, Any], calibration: pd.DataFrame) -> dict[str, Any]
         "log10_pf_least": line["log10_pf_least"],
         "bit_error_rate": line["ber"],
         "snr_db": line["snr_db"],
+        "snr_apart_db": line["snr_apart"],
         "embed_seconds": line["embed_seconds"],
         "detect_seconds": line["detect_seconds"],
         "embed_mb": line["embed_mb"],

@@ -19,7 +19,8 @@ METHOD = (
     "The score is Pd, averaged over attacks and then over meshes. Its 95 % interval and that of the rank are "
     "percentiles over 10 000 draws of the meshes with replacement, the same draws for every scheme: they "
     "tell how much hangs on the choice of meshes, not on that of keys. A scheme that cannot meet the budget "
-    "on a mesh, or on which an attack failed there with every key, has a score on the others and no rank."
+    "on a mesh, or on which an attack failed there with every key, has a score on the others and no rank. "
+    "The strength is set with one key on each mesh; other keys may come out fainter or louder."
 )
 """What a reader must know under a ranking."""
 
@@ -60,7 +61,7 @@ def ranking(
     DataFrame
         `score` is the mean Pd, `survived` the share of attacks and meshes with Pd of at least `DETECTED`;
         `log10_pf_least`, `ber`, `snr_db` and seconds are means over attacks and meshes, `embed_mb` is the
-        maximum. All of them are over the meshes that `meshes` counts; where these are not all, `rank` is NaN.
+        maximum; `snr_apart` is how far keys lie apart in SNR, in dB, on the mesh where most. All of them are over the meshes that `meshes` counts; where these are not all, `rank` is NaN.
     """
     lines = [
         line
@@ -73,7 +74,12 @@ def ranking(
         detect_seconds=("score_seconds", "mean"),
         embed_mb=("embed_mb", "max"),
     )
-    return table.join(snr.groupby("scheme")["snr_db"].mean(), on="scheme").join(costs, on="scheme")
+    distances = (
+        snr.assign(apart=snr["max"] - snr["min"])
+        .groupby("scheme")
+        .agg(snr_db=("snr_db", "mean"), snr_apart=("apart", "max"))
+    )
+    return table.join(distances, on="scheme").join(costs, on="scheme")
 
 
 def over_meshes(calibration: pd.DataFrame, detection: pd.DataFrame, pf: float) -> pd.DataFrame:
