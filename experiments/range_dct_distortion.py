@@ -17,7 +17,7 @@ AXES = {
     "mrms_percent": "MRMS of the mark in % of the diagonal",
     "snr_db": "SNR of the mark in dB",
 }
-ACROSS = 4
+ACROSS = 3
 
 
 def distortion(run: Path) -> pd.DataFrame:
@@ -47,11 +47,12 @@ def held(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def curves(table: pd.DataFrame, against: str) -> Figure:
-    """Draw Pd at `PF` against one of `AXES`: a panel an attack, a line a mesh."""
-    attacks, meshes = list(dict.fromkeys(table["attack"])), list(dict.fromkeys(table["mesh"]))
+    """Draw Pd at `PF` against one of `AXES`: a panel an attack that a mark is lost to, a line a mesh."""
+    attacks = list(dict.fromkeys(table.loc[table[f"pd_{PF:g}"] < 1, "attack"]))
+    meshes = list(dict.fromkeys(table["mesh"]))
     rows = math.ceil(len(attacks) / ACROSS)
     with styled():
-        figure = Figure(figsize=(9.4, 1.9 * rows + 0.7), layout="constrained")
+        figure = Figure(figsize=(9.4, 2.3 * rows + 1.0), layout="constrained")
         panels = figure.subplots(rows, ACROSS, sharex=True, sharey=True, squeeze=False).ravel()
         for panel, attack in zip(panels, attacks, strict=False):
             for order, (color, mesh) in enumerate(zip(COLORS, meshes, strict=False)):
@@ -69,6 +70,7 @@ def curves(table: pd.DataFrame, against: str) -> Figure:
                     panel.axvline(budget, color="0.5", linewidth=0.8, linestyle="--")
             panel.set_title(attack, fontsize=8)
             panel.set_ylim(-0.03, 1.03)
+            panel.tick_params(labelbottom=True)
         for panel in panels[len(attacks) :]:
             panel.set_axis_off()
         figure.supylabel(f"Pd at Pf = {PF:g}", fontsize=9)
@@ -76,7 +78,8 @@ def curves(table: pd.DataFrame, against: str) -> Figure:
         figure.legend(handles, labels, loc="outside upper center", ncols=len(meshes), title=AXES[against])
         text = (
             f"{table['trials'].max()} keys a point. Statistic: z of the detector, large is marked. Null: "
-            "uniform keys on the mesh under test, exact. Bands: 95 % Clopper–Pearson."
+            "uniform keys on the mesh under test, exact. Bands: 95 % Clopper–Pearson. Not drawn: "
+            f"{table['attack'].nunique() - len(attacks)} attacks after which every mark was found."
         )
         if against == "mrms_percent":
             text += " Dashed: budgets of the LIRIS benchmark."
