@@ -8,6 +8,7 @@ from wm3d.attacks import (
     GaussianNoise,
     IsotropicRemesh,
     LaplacianSmoothing,
+    PrintScan,
     Simplify,
     Subdivide,
     TaubinSmoothing,
@@ -46,7 +47,7 @@ def test_smoothing_moves_an_unwelded_surface_as_a_welded_one(attack):
     np.testing.assert_allclose(attack(UNWELDED, rng()).vertices.reshape(-1, 3, 3), wanted, atol=1e-12)
 
 
-@pytest.mark.parametrize("attack", [GaussianNoise(percent=1), UniformNoise(percent=1)])
+@pytest.mark.parametrize("attack", [GaussianNoise(percent=1), UniformNoise(percent=1), PrintScan()])
 def test_noise_tears_no_seam(attack):
     noisy = attack(UNWELDED, rng())
     assert len(places(noisy.vertices)[0]) == len(WHOLE.vertices)

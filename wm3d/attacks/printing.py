@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from wm3d.attacks.base import Attack
 from wm3d.attacks.deformation import Axis
 from wm3d.attacks.smoothing import smoothed
-from wm3d.mesh import Mesh, vertex_normals
+from wm3d.mesh import Mesh, sewn, vertex_normals
 
 
 class PrintScan(Attack):
@@ -55,16 +55,17 @@ class PrintScan(Attack):
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         """Return the mesh that was scanned; see `Attack`."""
-        noise = rng.standard_normal(mesh.vertices.shape)
+        surface, place = sewn(mesh)
+        noise = rng.standard_normal(surface.vertices.shape)
         direction, angle = rng.standard_normal(3), rng.uniform(0, self.tilt_degrees)
-        scan = smoothed(self._printed(mesh), (SMOOTHING_WEIGHT,) * self.smoothing)
+        scan = smoothed(self._printed(surface), (SMOOTHING_WEIGHT,) * self.smoothing)
         vertices = scan.vertices + noise * (self.noise_percent / 100 * mesh.diagonal)
         if self.tilt_degrees > 0:
             turn = Rotation.from_rotvec(angle * direction / np.linalg.norm(direction), degrees=True)
             center = vertices.mean(axis=0)
             # not BLAS: the same bits on any thread count
             vertices = center + np.einsum("ij,nj->ni", turn.as_matrix(), vertices - center)
-        return mesh.with_vertices(vertices)
+        return mesh.with_vertices(vertices[place])
 
     def _printed(self, mesh: Mesh) -> Mesh:
         """Return the mesh with the staircase of the layers, which are counted from the lowest vertex."""

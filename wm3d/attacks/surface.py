@@ -4,7 +4,7 @@ import numpy as np
 from scipy import sparse
 
 from wm3d.arrays import FloatArray, IntArray
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, adjacency
 
 
 def mean_radius(mesh: Mesh) -> float:
@@ -17,16 +17,10 @@ def neighbour_mean(mesh: Mesh) -> sparse.csr_array:
 
     A vertex without neighbours keeps its place.
     """
-    n = len(mesh.vertices)
-    start, end = mesh.faces.ravel(), mesh.faces[:, [1, 2, 0]].ravel()
-    real = start != end
-    start, end = start[real], end[real]
-    links = sparse.coo_array((np.ones(2 * len(start)), (np.r_[start, end], np.r_[end, start])), shape=(n, n))
-    adjacency = links.tocsr()
-    adjacency.data[:] = 1.0  # an edge of two faces was counted twice
-    degree = np.diff(adjacency.indptr)
+    joined = adjacency(mesh)
+    degree = np.diff(joined.indptr)
     alone = sparse.diags_array((degree == 0).astype(float))
-    mean: sparse.csr_array = (sparse.diags_array(1 / np.maximum(degree, 1)) @ adjacency + alone).tocsr()
+    mean: sparse.csr_array = (sparse.diags_array(1 / np.maximum(degree, 1)) @ joined + alone).tocsr()
     return mean
 
 

@@ -8,12 +8,12 @@ import pandas as pd
 
 from wm3d.arrays import FloatArray
 from wm3d.bench.summary import DETECTED
+from wm3d.stats.intervals import DEFAULT_CONFIDENCE
 
 RESAMPLES = 10_000
 """Draws of meshes with replacement, the same ones for every scheme."""
 
 SEED = 2002
-CONFIDENCE = 0.95
 
 METHOD = (
     "The score is Pd, averaged over attacks and then over meshes. Its 95 % interval and that of the rank are "
@@ -30,7 +30,7 @@ def interval_words(meshes: int) -> str:
     if meshes == 1:
         return "With one mesh there is no interval."
     draws = meshes**meshes
-    if 1 / draws > (1 - CONFIDENCE) / 2:
+    if 1 / draws > (1 - DEFAULT_CONFIDENCE) / 2:
         return (
             f"With {meshes} meshes one draw in {draws} is the worst mesh throughout and another the best, so "
             "the interval of a score reaches from the score on the worst mesh to that on the best."
@@ -166,7 +166,7 @@ def _resampled(scores: FloatArray) -> FloatArray:
 def _percentiles(draws: FloatArray) -> tuple[float, float]:
     if np.isnan(draws).any():
         return float("nan"), float("nan")
-    tail = 50 * (1 - CONFIDENCE)
+    tail = 50 * (1 - DEFAULT_CONFIDENCE)
     # of the draws themselves: between two of few values there is nothing
     low, high = np.percentile(draws, [tail, 100 - tail], method="inverted_cdf")
     return float(low), float(high)

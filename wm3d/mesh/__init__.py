@@ -1,6 +1,7 @@
 """Meshes: the immutable triangle mesh, its files, its moments and the registry of named data."""
 
 from wm3d.mesh import datasets
+from wm3d.mesh.adjacency import adjacency
 from wm3d.mesh.files import Secret, check_target, write_together, write_whole
 from wm3d.mesh.io import ENDINGS, decode_mesh, encode_mesh, load_mesh, save_mesh
 from wm3d.mesh.mesh import Mesh
@@ -28,6 +29,7 @@ __all__ = [
     "SolidMoments",
     "VertexMoments",
     "VolumeMoments",
+    "adjacency",
     "check_target",
     "datasets",
     "decode_mesh",

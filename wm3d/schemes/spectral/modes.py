@@ -8,9 +8,9 @@ from scipy.linalg import eigh
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.sparse.linalg import eigsh, splu
 
-from wm3d.arrays import FloatArray, IntArray
+from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, adjacency
 
 EXACT = 6000
 """Vertices up to which shift-invert Lanczos finds the modes; with more of them it would take minutes."""
@@ -57,10 +57,10 @@ def lowest_modes(mesh: Mesh, count: int) -> FloatArray:
             f"{mesh.name}: has {len(used)} vertices, too few for {count} spectral modes; use at most "
             f"{len(used) // 4}."
         )
-    adjacency = _adjacency(np.searchsorted(used, mesh.faces).astype(np.int64), len(used))
-    degrees = np.asarray(adjacency.sum(axis=0), dtype=np.float64).ravel()
-    laplacian = (sparse.diags_array(degrees) - adjacency).tocsc()
-    parts = connected_components(adjacency, directed=False)[0]
+    joined = adjacency(mesh)[used][:, used]
+    degrees = np.asarray(joined.sum(axis=0), dtype=np.float64).ravel()
+    laplacian = (sparse.diags_array(degrees) - joined).tocsc()
+    parts = connected_components(joined, directed=False)[0]
     if parts > MOST_PARTS:
         raise Wm3dError(f"{mesh.name}: falls into {parts} parts, each with a constant mode; weld it first.")
     wanted = count + parts
@@ -68,7 +68,7 @@ def lowest_modes(mesh: Mesh, count: int) -> FloatArray:
         start = np.random.default_rng(0).normal(size=len(used))
         values, vectors = eigsh(laplacian, min(wanted, len(used) - 1), sigma=-_SHIFT, v0=start)
     else:
-        subspace = _aggregates(adjacency, laplacian, degrees, wanted + _SPARE)
+        subspace = _aggregates(joined, laplacian, degrees, wanted + _SPARE)
         solver = splu(
             (laplacian + _SHIFT * sparse.eye_array(len(used))).tocsc(),
             permc_spec="MMD_AT_PLUS_A",
@@ -85,16 +85,6 @@ def lowest_modes(mesh: Mesh, count: int) -> FloatArray:
     modes *= np.where((modes**3).sum(axis=0) < 0, -1.0, 1.0)
     modes.flags.writeable = False
     return modes
-
-
-def _adjacency(faces: IntArray, n: int) -> sparse.csr_array:
-    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
-    real = start != end
-    start, end = start[real], end[real]
-    rows, columns = np.r_[start, end], np.r_[end, start]
-    adjacency = sparse.coo_array((np.ones(len(rows)), (rows, columns)), shape=(n, n)).tocsr()
-    adjacency.data[:] = 1.0  # an edge of two faces was counted twice
-    return adjacency
 
 
 def _aggregates(
