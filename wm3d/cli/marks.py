@@ -154,7 +154,9 @@ def detect(
     """
     from wm3d.registry import component_name
     from wm3d.schemes import Key
+    from wm3d.stats.rademacher import checked_pf
 
+    checked_pf(pf)  # before the mesh is read
     its_key = Key.load(key)
     if original is not None:
         its_key = its_key.with_original(read_mesh(original))

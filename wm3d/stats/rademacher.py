@@ -17,6 +17,13 @@ DEFAULT_PF = 1e-6
 """The false-alarm probability at which a mark counts as found, unless the caller names another."""
 
 
+def checked_pf(pf: float) -> float:
+    """Return a false-alarm probability, or raise `Wm3dError` if it is not above 0 and at most 1."""
+    if not 0 < pf <= 1:
+        raise Wm3dError(f"The false-alarm probability is {pf}; it must be above 0 and at most 1.")
+    return pf
+
+
 @dataclass(frozen=True, eq=False)
 class RademacherSum:
     """The statistic of a detector for ±1 keys, given the mesh under test: offset + Σ b_k w_k.
@@ -124,9 +131,7 @@ class Score:
 
     def detected(self, pf: float = DEFAULT_PF) -> bool:
         """Return whether the mark is found at the false-alarm probability `pf`, above 0 and at most 1."""
-        if not 0 < pf <= 1:
-            raise Wm3dError(f"The false-alarm probability is {pf}; it must be above 0 and at most 1.")
-        return self.log10_p <= math.log10(pf)
+        return self.log10_p <= math.log10(checked_pf(pf))
 
 
 def key_signs(seed: int, n: int) -> SignArray:
