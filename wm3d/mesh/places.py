@@ -3,12 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.mesh.mesh import Mesh
 
-_DIRECTION = (0.53903214837126, 0.73184917402873, 0.41729530168439)
-"""Drawn at random, to all digits: with few of them rounded coordinates meet by chance."""
+_MIXERS = ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB), (31, 1))
+"""Shifts and factors of the finalizer of SplitMix64, one to one, in which each bit stirs all others."""
 
 
 class Sewn(NamedTuple):
@@ -46,14 +47,12 @@ def sewn(mesh: Mesh) -> Sewn:
     return Sewn(Mesh(mesh.vertices[first[order]], place[mesh.faces], mesh.name), place)
 
 
-def marks(vertices: FloatArray) -> FloatArray:
-    """Return a number for each of (n, 3) vertices, the same for those that have the same coordinates.
-
-    Equal coordinates have equal dot products with any direction, and others differ for one chosen at random.
-    Taken from a corner of the mesh, also where it lies far from the origin.
-    """
-    along: FloatArray = np.zeros(len(vertices))
-    for axis, share in enumerate(_DIRECTION):
-        column = vertices[:, axis]
-        along += (column - column.min()) * share
-    return along
+def marks(vertices: FloatArray) -> NDArray[np.uint64]:
+    """Return a hash of 64 bits for each of (n, 3) vertices; equal for equal coordinates, else by chance."""
+    bits = (vertices + 0.0).view(np.uint64)  # −0.0 becomes 0.0
+    mixed = np.zeros(len(bits), dtype=np.uint64)
+    for column in bits.T:
+        mixed = mixed ^ column
+        for shift, factor in _MIXERS:
+            mixed = (mixed ^ (mixed >> np.uint64(shift))) * np.uint64(factor)
+    return mixed

@@ -2,12 +2,13 @@
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from wm3d.arrays import FloatArray, IntArray
 
 
 @njit(cache=True)
-def face_keys(marks: FloatArray, faces: IntArray) -> IntArray:
+def face_keys(marks: NDArray[np.uint64], faces: IntArray) -> IntArray:
     """Hash what each face spans: (m,), the same for faces of the same corners in any order.
 
     Faces that are a line or a point get a key of their own. Others that differ have the same one with a
@@ -19,10 +20,9 @@ def face_keys(marks: FloatArray, faces: IntArray) -> IntArray:
         A number for each vertex, the same in the same place.
     faces : (m, 3) ndarray
     """
-    bits = marks.view(np.uint64)
     keys = np.empty(faces.shape[0], np.uint64)
     for f in range(faces.shape[0]):
-        a, b, c = bits[faces[f, 0]], bits[faces[f, 1]], bits[faces[f, 2]]
+        a, b, c = marks[faces[f, 0]], marks[faces[f, 1]], marks[faces[f, 2]]
         if a == b or b == c or c == a:
             keys[f] = _mixed(np.uint64(f) ^ np.uint64(0x9E3779B97F4A7C15))
         else:
