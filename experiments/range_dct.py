@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 from jinja2 import Environment, StrictUndefined
-from range_dct_distortion import AXES, curves, distortion, held
+from range_dct_distortion import AXES, curves, distortion, held, weakest
 
 from wm3d.bench import run_config
 from wm3d.bench.figures import save
@@ -110,6 +110,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             broken=pivot(tables["broken_meshes"]) if "broken_meshes" in tables else {},
             blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
+            weakest=weakest(tables["distortion"]) if "distortion" in tables else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
             counted=tables["random_keys"].to_dict("records") if "random_keys" in tables else [],
             others=pd.read_csv(OTHER_MODELS).to_dict("records") if OTHER_MODELS.exists() else [],

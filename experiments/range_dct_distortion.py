@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -12,6 +13,9 @@ from wm3d.mesh import datasets
 PF = 1e-6
 LIRIS_BUDGETS = (0.02, 0.08)
 """MRMS in % of the diagonal that the LIRIS benchmark allows (Wang et al., SMI 2010)."""
+
+CLOSE = 0.05
+"""How near to a budget, relatively, a calibrated mark comes."""
 
 AXES = {
     "mrms_percent": "MRMS of the mark in % of the diagonal",
@@ -44,6 +48,12 @@ def held(table: pd.DataFrame) -> pd.DataFrame:
             faintest = loud_first.loc[found, "mrms_percent"].min()
             lines.append({"attack": attack, "mesh": mesh, "faintest_mrms_percent": faintest})
     return pd.DataFrame(lines)
+
+
+def weakest(table: pd.DataFrame) -> dict[float, dict[str, Any]]:
+    """Return, for each of `LIRIS_BUDGETS`, the line of least mean z."""
+    at = {budget: table[(table["mrms_percent"] / budget - 1).abs() < CLOSE] for budget in LIRIS_BUDGETS}
+    return {budget: lines.loc[lines["z_mean"].idxmin()].to_dict() for budget, lines in at.items()}
 
 
 def curves(table: pd.DataFrame, against: str) -> Figure:
