@@ -53,7 +53,7 @@ def held(table: pd.DataFrame) -> pd.DataFrame:
 def weakest(table: pd.DataFrame) -> dict[float, dict[str, Any]]:
     """Return, for each of `LIRIS_BUDGETS`, the line of least mean z."""
     at = {budget: table[(table["mrms_percent"] / budget - 1).abs() < CLOSE] for budget in LIRIS_BUDGETS}
-    return {budget: lines.loc[lines["z_mean"].idxmin()].to_dict() for budget, lines in at.items()}
+    return {budget: lines.nsmallest(1, "z_mean").to_dict("records")[0] for budget, lines in at.items()}
 
 
 def curves(table: pd.DataFrame, against: str) -> Figure:
