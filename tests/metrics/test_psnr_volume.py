@@ -18,6 +18,12 @@ def test_psnr_of_a_shift() -> None:
     assert psnr(box(), box()) == math.inf
 
 
+def test_vertices_that_no_face_uses_are_no_part_of_the_surface() -> None:
+    stray = Mesh(np.vstack([box().vertices, np.full((24, 3), 0.5)]), box().faces)
+    moved = np.where(np.arange(32)[:, None] < 8, [math.sqrt(3) / 10, 0, 0], 0.0)
+    assert psnr(stray, stray.with_vertices(stray.vertices + moved)) == pytest.approx(20)
+
+
 def test_psnr_needs_the_same_vertices() -> None:
     with pytest.raises(Wm3dError, match="8 vertices and icosphere has 642"):
         psnr(box(), icosphere())
