@@ -9,8 +9,8 @@ from wm3d.metrics.snr import check_same_vertices
 def psnr(original: Mesh, marked: Mesh) -> float:
     """Peak SNR of the vertices, 20 log10(D / RMS of ‖v' − v‖) in dB, D the diagonal of the original's box.
 
-    Over the vertices that a face of the original uses; infinite if none of them moved. Unlike `snr` it counts a
-    shift of the whole mesh as noise.
+    Over the vertices that a face of the original uses; infinite if none of them moved. Unlike `snr` it counts
+    a shift of the whole mesh as noise.
 
     Raises
     ------
