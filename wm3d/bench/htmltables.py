@@ -76,7 +76,7 @@ HEADINGS = {
     "pf": "Pf",
     "pd": "Pd",
     "log10_pf_exact": "exact log10 Pf",
-    "snr_db": "mean",
+    "snr_db": "SNR, dB",
     "snr_apart": "keys apart, dB",
     "mean_deg": "mean °",
     "median_deg": "median °",

@@ -76,7 +76,7 @@ def ranking(
         embed_mb=("embed_mb", "max"),
     )
     distances = (
-        snr.assign(apart=snr["max"] - snr["min"])
+        snr.assign(apart=(snr["max"] - snr["min"]).round(2))
         .groupby("scheme")
         .agg(snr_db=("snr_db", "mean"), snr_apart=("apart", "max"))
     )
