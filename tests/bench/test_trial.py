@@ -197,6 +197,13 @@ def test_a_key_that_a_mesh_cannot_carry_is_not_detected_and_tried_only_once(monk
     assert len(tried) == 3
 
 
+def test_a_message_that_a_mesh_cannot_carry_has_half_of_its_bits_wrong():
+    refused = TrialCell(7, "box", box().digest(), Cho2007Mean(), Clean(), 0, 1, "H1")
+    frame = run_task({"box": box()}, Task((refused,)))[refused.digest]
+    assert frame["error"].str.startswith("not marked: box").all()
+    assert frame[["bit_error_rate", "log10_p"]].to_numpy().tolist() == [[0.5, 0.0]]
+
+
 def test_attacks_with_other_marks_get_them_from_the_scheme_under_test():
     alone, mixed = rows(cell(Clean()), cell(Collusion(copies=4)))
     assert set(mixed["error"]) == {""}

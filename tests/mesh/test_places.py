@@ -5,6 +5,19 @@ import pytest
 from shapes import blob, soup
 
 from wm3d.mesh import places
+from wm3d.mesh.kernels import row_hashes
+
+
+def splitmix(key: np.ndarray) -> np.ndarray:
+    for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB), (31, 1)):
+        key = (key ^ (key >> np.uint64(shift))) * np.uint64(factor)
+    return key
+
+
+def test_hashes_mix_one_column_after_the_other():
+    rows = np.random.default_rng(1).integers(0, 2**64, (1000, 3), dtype=np.uint64)
+    wanted = splitmix(splitmix(splitmix(rows[:, 0]) ^ rows[:, 1]) ^ rows[:, 2])
+    np.testing.assert_array_equal(row_hashes(rows), wanted)
 
 
 def test_corners_of_unwelded_faces_share_their_places():

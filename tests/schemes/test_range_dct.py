@@ -42,18 +42,6 @@ MESH = blob(0, 5)
 SMALL = blob(0, 4)
 
 
-@pytest.fixture(scope="module")
-def embedded():
-    """The blob marked with seed 1, and the scheme that reads it."""
-    return SCHEME.embed(MESH, 1)
-
-
-@pytest.fixture(scope="module")
-def evidence(embedded):
-    marked, scheme = embedded
-    return scheme.evidence(marked)
-
-
 def test_clean_mark_is_found(embedded, evidence):
     assert evidence.score(embedded[1].signs(1)).z > 40
 

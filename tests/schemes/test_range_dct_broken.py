@@ -21,18 +21,6 @@ SCHEME = SCHEMES.build("range-dct", {})
 MESH = blob(0, 5)
 
 
-@pytest.fixture(scope="module")
-def embedded():
-    """The blob marked with seed 1, and the scheme that reads it."""
-    return SCHEME.embed(MESH, 1)
-
-
-@pytest.fixture(scope="module")
-def evidence(embedded):
-    marked, scheme = embedded
-    return scheme.evidence(marked)
-
-
 def stored_beside(mesh: Mesh) -> Mesh:
     """Return the mesh with a copy of itself next to nothing away."""
     moved = mesh.vertices + 1e-9 * mesh.diagonal

@@ -113,7 +113,10 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
     except MemoryError:
         raise
     except NotMarkedError as refusal:
-        return [row | (_LOST if cell.hypothesis == "H1" else {}) | {"error": str(refusal)}], refusal
+        row["error"] = str(refusal)
+        if cell.hypothesis == "H1":
+            row |= _LOST | ({"bit_error_rate": 0.5} if cell.scheme.message else {})
+        return [row], refusal
     except Exception as error:  # whatever an engine raises fails this trial, not the run; the row says it
         return [row | {"error": f"{type(error).__name__}: {error}"}], error
     row |= {

@@ -6,10 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
-
-_MIXERS = ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB), (31, 1))
-"""Shifts and factors of the finalizer of SplitMix64, one to one, in which each bit stirs all others."""
 
 
 class Sewn(NamedTuple):
@@ -50,9 +48,5 @@ def sewn(mesh: Mesh) -> Sewn:
 def marks(vertices: FloatArray) -> NDArray[np.uint64]:
     """Return a hash of 64 bits for each of (n, 3) vertices; equal for equal coordinates, else by chance."""
     bits = (vertices + 0.0).view(np.uint64)  # −0.0 becomes 0.0
-    mixed = np.zeros(len(bits), dtype=np.uint64)
-    for column in bits.T:
-        mixed = mixed ^ column
-        for shift, factor in _MIXERS:
-            mixed = (mixed ^ (mixed >> np.uint64(shift))) * np.uint64(factor)
-    return mixed
+    hashes: NDArray[np.uint64] = kernels.row_hashes(bits)
+    return hashes

@@ -5,6 +5,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.mesh.kernels import mixed
 
 
 @njit(cache=True)
@@ -24,9 +25,9 @@ def face_keys(marks: NDArray[np.uint64], faces: IntArray) -> IntArray:
     for f in range(faces.shape[0]):
         a, b, c = marks[faces[f, 0]], marks[faces[f, 1]], marks[faces[f, 2]]
         if a == b or b == c or c == a:
-            keys[f] = _mixed(np.uint64(f) ^ np.uint64(0x9E3779B97F4A7C15))
+            keys[f] = mixed(np.uint64(f) ^ np.uint64(0x9E3779B97F4A7C15))
         else:
-            keys[f] = _mixed(_mixed(a) + _mixed(b) + _mixed(c))
+            keys[f] = mixed(mixed(a) + mixed(b) + mixed(c))
     return keys.view(np.int64)
 
 
@@ -79,11 +80,3 @@ def hole_caps(
             last = begin
         step[origin] = -1
     return caps[:count], loop[:count]
-
-
-@njit(cache=True)
-def _mixed(key: np.uint64) -> np.uint64:
-    """Mix the bits of a number (splitmix64, Steele, Lea & Flood 2014)."""
-    key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return key ^ (key >> np.uint64(31))
