@@ -24,10 +24,17 @@ from wm3d.stats import DEFAULT_PF
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = {
     name: ROOT / "configs" / "range_dct" / f"{name}.yaml"
-    for name in ("paper_attacks", "other_attacks", "broken_meshes", "blocks", "distortion", "nulls")
+    for name in (
+        "paper_attacks", "other_attacks", "slow_attacks", "broken_meshes", "blocks", "distortion", "nulls",
+    )
 }
 RESULTS = RunDirectory(ROOT / "results" / "range_dct")
-DRAWN = ("paper_attacks", "other_attacks", "broken_meshes")
+DRAWN = {
+    "paper_attacks": ("paper_attacks",),
+    "other_attacks": ("other_attacks", "slow_attacks"),
+    "broken_meshes": ("broken_meshes",),
+}
+"""Tables that each heat map shows."""
 OTHER_MODELS = RESULTS.path / "other_models.csv"
 TEMPLATE = Path(__file__).with_name("range_dct_readme.md.j2")
 COUNTED_AT = (2.0, 3.0, 4.0)
@@ -65,12 +72,19 @@ def write_results(runs: Path) -> None:
         tables["nulls"] = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv")
         tables["random_keys"] = counted(pd.read_csv(runs / "nulls" / "tables" / "false_alarms.csv"))
     for name in DRAWN:
-        if name in tables:
-            credits = {mesh: datasets.credit(mesh) for mesh in tables[name]["mesh"].unique()}
-            save(heatmap_figure(tables[name], DEFAULT_PF, credits), RESULTS, name)
+        shown = drawn(tables, name)
+        if len(shown):
+            credits = {mesh: datasets.credit(mesh) for mesh in shown["mesh"].unique()}
+            save(heatmap_figure(shown, DEFAULT_PF, credits), RESULTS, name)
     tables["beside_song2002"] = ratios(tables)
     RESULTS.write_tables(tables)
     write_whole(RESULTS.path / "README.md", page(tables).encode())
+
+
+def drawn(tables: dict[str, pd.DataFrame], name: str) -> pd.DataFrame:
+    """Return the lines that the heat map `name` shows; none where nothing has been run."""
+    parts = [tables[part] for part in DRAWN[name] if part in tables]
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
 
 
 def ratios(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
@@ -106,8 +120,8 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             trials={name: int(tables[name]["trials"].min()) for name in CONFIGS if name in tables},
             paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
             ratios=tables["beside_song2002"].to_dict("records"),
-            other=pivot(tables["other_attacks"]) if "other_attacks" in tables else {},
-            broken=pivot(tables["broken_meshes"]) if "broken_meshes" in tables else {},
+            other=pivot(drawn(tables, "other_attacks")),
+            broken=pivot(drawn(tables, "broken_meshes")),
             blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             weakest=weakest(tables["distortion"]) if "distortion" in tables else {},
