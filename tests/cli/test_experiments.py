@@ -1,6 +1,7 @@
 """`wm3d run` and `wm3d report`: how the command line reaches the bench, and what a failed trial does."""
 
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -56,13 +57,22 @@ def test_run_hands_its_options_on_and_tells_failures(
     )
 
 
-def test_a_run_that_is_stopped_says_what_is_kept(wm3d: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    def run_config(*_: object, **__: object) -> Outcome:
-        raise KeyboardInterrupt
+@pytest.fixture
+def own_handlers() -> Iterator[None]:
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
-    monkeypatch.setattr("wm3d.bench.run_config", run_config)
+
+@pytest.mark.usefixtures("own_handlers")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_that_is_stopped_says_what_is_kept(
+    number: signal.Signals, wm3d: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wm3d.bench.run_config", lambda *_, **__: signal.raise_signal(number))
     outcome = wm3d("run", "tiny.yaml")
-    assert outcome.status != 0
+    assert outcome.status == 130
     assert "stopped; finished cells are kept, and the same command goes on" in outcome.stderr
 
 

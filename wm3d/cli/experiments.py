@@ -1,5 +1,6 @@
 """`wm3d run` and `wm3d report`: experiments from a config, and their tables and figures."""
 
+import signal
 from pathlib import Path
 from typing import Annotated
 
@@ -51,6 +52,7 @@ def run(
     """
     from wm3d.bench import run_config
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as batch systems stop a job: like Ctrl-C
     try:
         outcome = run_config(
             config, out=out, workers=workers, dask=dask, overrides=overrides or [], dry_run=dry_run
