@@ -100,6 +100,8 @@ def test_of_a_long_value_the_ends_are_told_and_of_a_missing_one_no_value():
     assert "layers.0.coats = 'many many" in sentence
     assert sentence.endswith("; layers.1 is missing.")
     assert len(sentence) < 250
+    with pytest.raises(Wm3dError, match=r"layers = 'many': input should be a list\.$"):
+        Registry("paint", Paint, Deep).build("deep", {"layers": "many"})
 
 
 def test_the_name_is_no_parameter_that_can_be_another():

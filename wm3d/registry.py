@@ -144,6 +144,6 @@ def _describe_one(fault: Any, cls: type[Component]) -> str:
     if fault["type"] == "union_tag_invalid":
         tag, known = shown(fault["ctx"]["tag"]), fault["ctx"]["expected_tags"]
         return f"{path} has the unknown name {tag}, known: {known}"
-    message = fault["msg"].removeprefix("Value error, ")
+    message = fault["msg"].removeprefix("Value error, ").replace("a valid tuple", "a list")
     message = message[:1].lower() + message[1:]
     return f"{path} = {shown(fault['input'])}: {message}" if path else message
