@@ -25,7 +25,13 @@ ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = {
     name: ROOT / "configs" / "range_dct" / f"{name}.yaml"
     for name in (
-        "paper_attacks", "other_attacks", "slow_attacks", "broken_meshes", "blocks", "distortion", "nulls",
+        "paper_attacks",
+        "other_attacks",
+        "slow_attacks",
+        "broken_meshes",
+        "blocks",
+        "distortion",
+        "nulls",
     )
 }
 RESULTS = RunDirectory(ROOT / "results" / "range_dct")

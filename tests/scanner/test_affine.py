@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
-from shapes import blob, box, icosphere, inside_out, lathe, rotation, tetrahedron, uv_cylinder
+from shapes import blob, box, fine_box, icosphere, inside_out, lathe, rotation, tetrahedron, uv_cylinder
 
 from wm3d.attacks import Bend, Clean, Crop, GaussianNoise, Mirror, Simplify
 from wm3d.errors import Wm3dError
@@ -132,6 +132,25 @@ def test_starts_reach_every_rotation():
     drawn = Rotation.random(1000, rng=np.random.default_rng(0)).as_matrix()
     trace = np.einsum("kij,lij->kl", drawn, even).max(axis=1)
     assert np.degrees(np.arccos((trace - 1) / 2)).max() < 17
+
+
+def relief() -> Mesh:
+    """Plate with low waves on its upper face, without which it could be laid on itself in 24 ways."""
+    plate = fine_box()
+    x, y, z = plate.vertices.T
+    waves = 0.04 * (z > 0.499) * (np.sin(4 * x + 1) * np.cos(3 * y - 0.5) + 0.5 * np.sin(2 * y + x))
+    return plate.with_vertices(np.column_stack([x, y, z + waves]))
+
+
+def test_frame_of_a_relief_is_exact_from_every_side():
+    plate = relief()
+    frame = principal_frame(plate)
+    reference = solid_moments(plate).mapped(frame.matrix)
+    for turn in Rotation.random(30, rng=np.random.default_rng(1)).as_matrix():
+        turned = plate.with_vertices(plate.vertices @ turn.T)
+        np.testing.assert_allclose(
+            fitted_frame(turned, reference).frame.matrix @ turn, frame.matrix, atol=1e-6
+        )
 
 
 def flattened(mesh: Mesh, scale: tuple[float, float, float], name: str) -> Mesh:

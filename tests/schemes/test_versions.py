@@ -18,7 +18,7 @@ READ = {
     "cho2007-variance": (1, [5.756, 0.129, 7.695]),
     "ohbuchi2002": (1, [16.63, 7.80]),  # its registration hangs on the number of BLAS threads
     "radial-area": (1, [6.694, 1.384, 6.932]),
-    "range-dct": (6, [30.554, 15.409, 31.258]),
+    "range-dct": (7, [30.554, 15.409, 31.258]),
     "range-mark": (1, [22.723, 0.451, 0.568]),
     "song2002": (1, [22.723, 0.451, 0.568]),
     "vertex-ss": (1, [14.520, -1.164, 19.890]),

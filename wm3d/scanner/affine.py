@@ -1,12 +1,13 @@
 """The affine pose: the linear map under which the moments of a solid are those that a key holds."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 from wm3d.arrays import FloatArray
 from wm3d.mesh import Mesh, SolidMoments, solid_moments, whitening
@@ -18,6 +19,10 @@ STARTS = 6
 
 APART = 30.0
 """Least angle between two starts, in degrees; about the reach of the fit from one."""
+
+SETTLING, FARTHEST_STEP, NUDGE = 8, 10.0, 1e-6
+"""Rounds in which starts are turned on, by how many degrees at most in one, and the turn in radians by which
+slopes are taken."""
 
 AGREEMENT = 1e-3
 """Misfit, relative to the moments themselves, at which a fit needs no further start and no mirror image."""
@@ -36,7 +41,7 @@ ROUND = 0.015
 A vase has 0.002, a cone of 80 sides 0.009; a cow has 0.1, and the least of other models, a blob, 0.024."""
 
 ALIKE_STARTS, ALIKE_PATIENCE = 2 * MOST_WAYS, 60
-"""How many starts are tried to find them all, and how many evaluations each is given."""
+"""How many starts are compared, tried to find all ways, and how many evaluations each is then given."""
 
 MIRRORED = 0.5
 """Misfit of the mirror image, over that of the mesh, below which the mesh is taken for a mirror image itself;
@@ -209,13 +214,40 @@ def _fits(
 
 
 def _starts(here: SolidMoments, goal: SolidMoments, candidates: FloatArray, most: int) -> FloatArray:
-    """Return the (k, 3, 3) turns under which the higher moments nearly agree, the best first."""
-    misfit = sum(
-        ((_turned(tensor, candidates) - aim) ** 2).reshape(len(candidates), -1).sum(axis=1)
-        for tensor, aim in ((here.third, goal.third), (here.fourth, goal.fourth))
-    )
-    ordered = candidates[np.argsort(misfit, kind="stable")]
-    return ordered[apart(ordered, APART, most)]
+    """Return the (k, 3, 3) turns under which the higher moments nearly agree, the best first.
+
+    Candidates lie too far apart to say which is best where a solid is nearly symmetric: a plate with a low
+    relief is a cube in these coordinates, and the relief tells its sides apart only where it lies exactly. So
+    those that come nearest are turned on, until each is as near as it can come.
+    """
+
+    def differences(turns: FloatArray) -> FloatArray:
+        tensors = ((here.third, goal.third), (here.fourth, goal.fourth))
+        return np.hstack([(_turned(one, turns) - aim).reshape(len(turns), -1) for one, aim in tensors])
+
+    def ordered(turns: FloatArray) -> FloatArray:
+        ordered: FloatArray = turns[np.argsort((differences(turns) ** 2).sum(axis=1), kind="stable")]
+        return ordered
+
+    coarse = ordered(candidates)
+    finer = ordered(_settled(coarse[apart(coarse, APART, ALIKE_STARTS)], differences))
+    return finer[apart(finer, APART, most)]
+
+
+def _settled(turns: FloatArray, differences: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Turn (k, 3, 3) matrices on to where the sums of the squared differences are least, by Gauss-Newton."""
+    nudges = Rotation.from_rotvec(NUDGE * np.eye(3)).as_matrix()
+    longest = np.radians(FARTHEST_STEP)
+    for _ in range(SETTLING):
+        here = differences(turns)
+        slopes = np.stack([(differences(turns @ nudge) - here) / NUDGE for nudge in nudges], axis=1)
+        normal = slopes @ slopes.swapaxes(1, 2)
+        normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        step = np.linalg.solve(normal, -slopes @ here[:, :, None])[:, :, 0]
+        length = np.linalg.norm(step, axis=1, keepdims=True)
+        step *= np.minimum(1, longest / np.maximum(length, longest))
+        turns = turns @ Rotation.from_rotvec(step).as_matrix()
+    return turns
 
 
 def _turned(tensor: FloatArray, turns: FloatArray) -> FloatArray:

@@ -113,7 +113,7 @@ class RangeDct(Scheme):
         What `embed` finds out of the mesh; detection needs it.
     """
 
-    version: ClassVar[int] = 6
+    version: ClassVar[int] = 7
 
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
