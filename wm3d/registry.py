@@ -43,7 +43,7 @@ class Registry(Mapping[str, type[T]], Generic[T]):
         for point in sorted(entry_points(group=f"wm3d.{self.kind}s"), key=lambda point: point.name):
             try:
                 cls = point.load()
-            except Exception as error:  # whatever foreign code may do when it is imported
+            except (Exception, SystemExit) as error:  # whatever foreign code may do when it is imported
                 raise Wm3dError(
                     f"the {self.kind} {point.value} of the package {_package(point)} cannot be loaded "
                     f"({error}); mend or uninstall that package."

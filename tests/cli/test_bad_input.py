@@ -2,6 +2,7 @@
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from collections.abc import Callable
@@ -245,6 +246,9 @@ def test_files_without_permission(wm3d: Run, files: Path, out: Path) -> None:
         out.chmod(0o700)
 
 
+PROCESS = [sys.executable, "-c", "import sys; from wm3d.cli import main; sys.exit(main())"]
+
+
 @pytest.mark.parametrize(
     ("line", "named", "words"),
     [
@@ -255,13 +259,30 @@ def test_files_without_permission(wm3d: Run, files: Path, out: Path) -> None:
     ],
 )
 def test_as_a_process(line: str, named: str, words: str, files: Path, out: Path) -> None:
-    command = [sys.executable, "-c", "import sys; from wm3d.cli import main; sys.exit(main())"]
     words_of_line = [word.format(files=files, out=out) for word in line.split()]
-    done = subprocess.run([*command, *words_of_line], capture_output=True, text=True, check=False)
+    done = subprocess.run([*PROCESS, *words_of_line], capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert done.stdout == ""
     _check_sentence(done.stderr, named, words)
     assert list(out.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize(
+    ("mesh", "redirection", "status"),
+    [
+        ("marked.ply", "| true", 141),
+        ("marked.ply", "2>&-", 0),
+        ("marked.ply", ">/dev/full 2>&1", 2),
+        ("no.ply", "2>/dev/full", 2),
+    ],
+)
+def test_output_that_cannot_be_written_is_no_answer(
+    mesh: str, redirection: str, status: int, files: Path
+) -> None:
+    detect = shlex.join([*PROCESS, "detect", str(files / mesh), "--key", str(files / "good.json")])
+    script = f"set -o pipefail; {detect} {redirection}"
+    assert subprocess.run(["bash", "-c", script], capture_output=True, check=False).returncode == status
 
 
 def test_a_bug_is_dressed_up_neither_as_bad_input_nor_as_no_mark(

@@ -2,9 +2,11 @@
 
 import contextlib
 import io
+import os
 import sys
 import traceback
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -23,13 +25,16 @@ BAD_INPUT = 2
 CRASH = 70
 """Exit status for an error of wm3d itself (EX_SOFTWARE of sysexits.h): never 1, which is an answer."""
 
+UNHEARD = 141
+"""Exit status where the reader of the output has gone, as shells show SIGPIPE: not 1 either."""
+
 app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit status: 0 done; 1 `detect` found no mark, or trials of `run` or checks of `check-plugin` "
-    "failed; 2 bad input; 70 an error in wm3d or a plug-in, with its traceback.",
+    "failed; 2 bad input; 70 an error in wm3d or a plug-in, with its traceback; 141 nobody reads the output.",
 )
 for command in (run, report, embed, detect, attack, scan, compare, check_plugin):
     app.command()(command)
@@ -70,12 +75,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status. Bad input gives 2 and one sentence on stderr, an unexpected error 70 and its traceback.
+        Exit status. Bad input gives 2 and one sentence on stderr, an unexpected error 70 and its traceback,
+        output that nobody reads 141.
     """
-    if isinstance(
-        sys.stdout, io.TextIOWrapper
-    ):  # file names and "σ" may not exist in the terminal's encoding
-        sys.stdout.reconfigure(errors="backslashreplace")
+    _open_streams()
     try:
         status = app(arguments, prog_name="wm3d", standalone_mode=False)
     except typer.TyperException as error:
@@ -86,14 +89,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail("not enough memory; use a smaller grid, mesh or number of workers.")
     except OSError as error:
         return _fail(f"{error.filename or 'a file'}: cannot be used ({error.strerror or error}).")
-    except Exception:
-        traceback.print_exc()  # the interpreter would exit with 1, and `detect` means "no mark" by that
+    except (Exception, SystemExit) as error:
+        if isinstance(error.__context__, BrokenPipeError):  # for which typer exits with 1
+            return UNHEARD
+        with _unwritable_ignored():
+            traceback.print_exc()  # the interpreter would exit with 1, and `detect` means "no mark" by that
         return CRASH
     return status if isinstance(status, int) else 0
 
 
+def _open_streams() -> None:
+    """Make streams that were closed lead nowhere, and file names and "σ" print in every encoding."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
+def _unwritable_ignored() -> contextlib.suppress:
+    """Return a context in which nothing is made of a stream that is closed or on a full disk."""
+    return contextlib.suppress(OSError, ValueError)
+
+
 def _fail(sentence: str) -> int:
-    with contextlib.suppress(BrokenPipeError):
+    with _unwritable_ignored():
         typer.echo(f"wm3d: {sentence}", err=True)
     return BAD_INPUT
 
