@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import KDTree
 from shapes import blob, box, soup
 
-from wm3d.attacks import DropFaces, FlipFaces, HalfSpaceCrop, RepeatFaces
+from wm3d.attacks import DropFaces, FlipFaces, HalfSpaceCrop, Reorder, RepeatFaces
 from wm3d.mesh import Mesh, is_balanced, is_closed, signed_volume, surface_area, whole_surface
 from wm3d.mesh.repair.kernels import face_keys
 from wm3d.mesh.repair.sides import Sides
@@ -106,6 +106,16 @@ def test_small_holes_are_covered_nearly_as_the_surface_was(percent):
     whole = whole_surface(torn)
     assert is_balanced(whole)
     assert signed_volume(whole) == pytest.approx(signed_volume(BLOB), rel=2e-4 * percent)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_holes_that_touch_are_covered_close_by_in_whatever_order_the_file_is(seed):
+    fine = blob(1, 5)
+    holed = DropFaces(percent=40)(fine, np.random.default_rng(seed))
+    volume = abs(signed_volume(whole_surface(holed)))
+    assert volume == pytest.approx(abs(signed_volume(fine)), rel=0.06)
+    shuffled = whole_surface(Reorder()(holed, rng()))
+    assert abs(signed_volume(shuffled)) == pytest.approx(volume, rel=1e-9)
 
 
 def test_the_rim_where_a_part_was_cut_off_stays():
