@@ -57,6 +57,7 @@ def test_mark_of_a_symmetric_mesh_is_found_from_any_side():
     assert scheme.reference.ways == 24
     clean = scheme.score(marked, 1).z
     assert clean > 10
+    assert scheme.evidence(marked).tries == 24
     for seed in range(4):
         turned = Chain(then=(GaussianNoise(percent=0.2), Similarity()))(marked, np.random.default_rng(seed))
         assert scheme.score(turned, 1).z > 0.8 * clean

@@ -17,6 +17,15 @@ def test_score_is_the_affine_function_of_the_signs():
     assert score.null.scale == 5.0
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_the_p_value_of_the_best_of_several_counts_them_all(seed):
+    weights, key = np.linspace(1, 3, 40), key_signs(seed, 40)
+    alone, best = (RademacherSum(0.0, weights, tries).score(key) for tries in (1, 24))
+    assert best.z == alone.z
+    assert best.p_value == pytest.approx(min(1.0, 24 * alone.p_value))
+    assert best.null.log10_p_least == pytest.approx(alone.null.log10_p_least + np.log10(24))
+
+
 def test_negated_key_negates_z():
     null = RademacherSum(2.0, np.linspace(-1, 3, 100))
     signs = key_signs(3, 100)

@@ -1,5 +1,6 @@
 """The robust variant of the paper's idea: a block-DCT mark in what an affine-invariant scanner sees."""
 
+from dataclasses import replace
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
@@ -171,7 +172,9 @@ class RangeDct(Scheme):
     def evidence(self, mesh: Mesh) -> RademacherSum:
         """Mend the surface, smooth crumples, pose, lay the surface over the landmarks, read the volume image.
 
-        See `Scheme.evidence`.
+        Of the poses of a symmetric solid the landmarks choose one, and they lie on what the right key made of
+        the surface: on an unmarked one, too, that key does better there than in the others. So all of them
+        count as tries. See `Scheme.evidence`.
         """
         known = self._known
         mesh = denoised(whole_surface(mesh), known.area)
@@ -181,7 +184,8 @@ class RangeDct(Scheme):
         found = registered(surface, landmarks, (pose, known.home_pose(surface)))
         layout = Layout(known.grid, known.hmin, known.height)
         image = layout.image(found.warp(surface.placed(mesh.vertices)), mesh)
-        return ShapedDct.of(image.volumes, image.areas).evidence(known.strength)
+        evidence = ShapedDct.of(image.volumes, image.areas).evidence(known.strength)
+        return replace(evidence, tries=len(frames))
 
     @property
     def _known(self) -> Reference:

@@ -34,6 +34,9 @@ class RademacherSum:
         The part that does not depend on the key (Σ a_k of PAPER's log-likelihood ratio).
     b : (n,) array_like of float
         Weight of each key sign; zero where a coefficient is not read. Copied and made read-only.
+    tries : int
+        Of how many such statistics this is the one that was chosen, where the choice may know the key. The
+        p-value is as many times that of this one (Bonferroni), and holds whatever the choice was.
 
     Raises
     ------
@@ -43,6 +46,7 @@ class RademacherSum:
 
     offset: float
     b: FloatArray
+    tries: int = 1
 
     def __post_init__(self) -> None:
         weights = checked_weights(self.b).copy()
@@ -60,7 +64,7 @@ class RademacherSum:
     def log10_p_least(self) -> float:
         """Log10 of the least p-value that any key can reach: one key among 2^(nonzero weights)."""
         reach = float(np.abs(self.b).sum())
-        return log10_tail(self.b, reach / self.scale) if self.scale > 0 else 0.0
+        return self._log10_p(reach / self.scale) if self.scale > 0 else 0.0
 
     @property
     def decoded(self) -> SignArray:
@@ -92,7 +96,10 @@ class RademacherSum:
         """
         total = float(self.b @ self._checked(signs))
         z = total / self.scale if self.scale > 0 else 0.0
-        return Score(self.offset + total, z, log10_tail(self.b, z), self)
+        return Score(self.offset + total, z, self._log10_p(z), self)
+
+    def _log10_p(self, z: float) -> float:
+        return min(0.0, log10_tail(self.b, z) + math.log10(self.tries))
 
     def _checked(self, signs: ArrayLike) -> FloatArray:
         w = np.asarray(signs, dtype=np.float64)
@@ -114,7 +121,8 @@ class Score:
     z : float
         Σ b_k w_k / √(Σ b²): mean 0 and variance 1 over uniform keys.
     log10_p : float
-        log10 of the probability that a uniform key gives this statistic or more on the same mesh.
+        log10 of the probability that a uniform key gives this statistic or more on the same mesh, times the
+        `tries` of the null.
     null : RademacherSum
         The statistic as a function of the key.
     """
