@@ -89,6 +89,7 @@ class Mesh:
         mesh = object.__new__(Mesh)  # the faces were checked once
         for field, value in (("vertices", moved), ("faces", self.faces), ("name", self.name)):
             object.__setattr__(mesh, field, value)
+        mesh.__dict__["used"] = self.used  # by the same faces
         mesh._check_vertices()
         return mesh
 
@@ -99,22 +100,38 @@ class Mesh:
 
     @cached_property
     def vertex_mean(self) -> FloatArray:
-        """Mean m (3,) of all vertices, used or not, in the unit of the mesh."""
+        """Mean m (3,) of all vertices, used or not, in the unit of the mesh, as the paper has it."""
         mean: FloatArray = kernels.vertex_mean(self.vertices)
         mean.flags.writeable = False
         return mean
 
-    @property
+    @cached_property
+    def middle(self) -> FloatArray:
+        """Mean (3,) of the vertices that a face uses, in the unit of the mesh."""
+        if self.used.all():
+            return self.vertex_mean
+        mean: FloatArray = kernels.vertex_mean(self.vertices[self.used])
+        mean.flags.writeable = False
+        return mean
+
+    @cached_property
     def used(self) -> BoolArray:
         """Which vertices a face uses: (n,)."""
         used = np.zeros(len(self.vertices), dtype=bool)
         used[self.faces] = True
+        used.flags.writeable = False
         return used
 
-    @property
+    @cached_property
     def diagonal(self) -> float:
-        """Length of the diagonal of the axis-aligned bounding box of all vertices."""
+        """Length of the diagonal of the axis-aligned bounding box of the vertices that a face uses.
+
+        Of all vertices where the faces use but one point.
+        """
         low, high, _ = self._bounds
+        if not self.used.all():
+            near, far, _ = kernels.bounds(self.vertices[self.used])
+            low, high = (near, far) if (far - near).max() >= 1 / LARGEST else (low, high)
         return float(np.linalg.norm(high - low))
 
     def digest(self) -> str:

@@ -51,13 +51,13 @@ def surface_area(mesh: Mesh) -> float:
 
 
 def signed_volume(mesh: Mesh) -> float:
-    """Return the summed signed volumes of the tetrahedra from the vertex mean to each face.
+    """Return the summed signed volumes of the tetrahedra from `Mesh.middle` to each face.
 
     For a closed mesh this is the enclosed volume, positive when the faces are counter-clockwise seen from
-    outside. For an open mesh it is the volume closed by cones from the vertex mean to the holes, so it turns
-    and shifts with the mesh.
+    outside. For an open mesh it is the volume closed by cones from there to the holes, so it turns and shifts
+    with the mesh.
     """
-    return float(kernels.signed_volume(mesh.vertices, mesh.faces, mesh.vertex_mean))
+    return float(kernels.signed_volume(mesh.vertices, mesh.faces, mesh.middle))
 
 
 def orientation(mesh: Mesh) -> int:
@@ -105,7 +105,7 @@ def volume_moments(mesh: Mesh) -> VolumeMoments:
     Wm3dError
         If the faces enclose no volume, as those of a flat sheet.
     """
-    apex = mesh.vertex_mean
+    apex = mesh.middle
     volume, first, second = kernels.volume_integrals(mesh.vertices, mesh.faces, apex)
     check_volume(mesh, volume)
     offset = first / volume

@@ -94,8 +94,8 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
     """Return the moments of the solid that the faces enclose.
 
     The integrals run over signed tetrahedra from one apex to the faces. Holes are closed by cones from the
-    apex, the vertex mean at first and then the centroid that came of it, so the moments of an open mesh
-    hardly depend on where its vertices lie densely; if those are no solid's, the vertex mean again. The
+    apex, `Mesh.middle` at first and then the centroid that came of it, so the moments of an open mesh
+    hardly depend on where its vertices lie densely; if those are no solid's, the middle again. The
     winding does not matter.
 
     Raises
@@ -106,7 +106,7 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
     """
     moments = _seen_from(mesh, volume_moments(mesh).centroid)
     if not _is_solid(moments.second):
-        moments = _seen_from(mesh, mesh.vertex_mean)  # the cones over a large hole can be too much from there
+        moments = _seen_from(mesh, mesh.middle)  # the cones over a large hole can be too much from there
     whitening(moments.second, mesh.name)
     return moments
 

@@ -43,7 +43,7 @@ def _turned(faces: IntArray, sides: Sides, turns: IntArray) -> tuple[IntArray, S
 
 
 def _cones(mesh: Mesh, faces: IntArray) -> FloatArray:
-    """Return signed volumes of the tetrahedra from the vertex mean to the faces, in some unit."""
-    a, b, c = ((mesh.vertices - mesh.vertex_mean) / mesh.diagonal)[faces.T]
+    """Return signed volumes of the tetrahedra from the middle to the faces, in some unit."""
+    a, b, c = ((mesh.vertices - mesh.middle) / mesh.diagonal)[faces.T]
     cones: FloatArray = np.einsum("fi,fi->f", a, np.cross(b, c))
     return cones

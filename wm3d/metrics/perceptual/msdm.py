@@ -129,8 +129,8 @@ def _sides(original: Mesh, other: Mesh, same_order: bool = False) -> tuple[_Side
     check_size(other, original)
     original, place = sewn(original)
     other = sewn(other).mesh if not same_order else _folded(other, place, original)
-    origin = original.vertices.mean(axis=0)
-    unit = float(max(np.ptp(mesh.vertices, axis=0).max() for mesh in (original, other)))
+    origin = original.middle
+    unit = float(max(np.ptp(mesh.vertices[mesh.used], axis=0).max() for mesh in (original, other)))
     orders = [tree_order(mesh.vertices) for mesh in (original, original if same_order else other)]
     return _Side(original, origin, unit, orders[0]), _Side(other, origin, unit, orders[1])
 

@@ -117,7 +117,7 @@ def both_ways(original: Mesh, other: Mesh) -> tuple[OneWay, OneWay]:
         If a surface is so large, over the diagonal of the original, that it would make too many cells.
     """
     check_size(original, other)
-    origin, unit = original.vertices.mean(axis=0), original.diagonal
+    origin, unit = original.middle, original.diagonal
     with ThreadPoolExecutor(min(2, config.NUMBA_NUM_THREADS)) as pool:
         a, b = pool.map(lambda mesh: Surface((mesh.vertices - origin) / unit, mesh.faces), (original, other))
         there, back = pool.map(_one_way, (a, b), (b, a), (unit, unit))

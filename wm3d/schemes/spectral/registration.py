@@ -33,9 +33,9 @@ def resampled(original: Mesh, suspect: Mesh) -> FloatArray:
     if suspect.faces.shape == original.faces.shape and (suspect.faces == original.faces).all():
         used = np.unique(original.faces)
         return _apply(_similarity(suspect.vertices[used], original.vertices[used]), suspect.vertices)
-    origin, unit = original.vertices.mean(axis=0), original.diagonal
+    origin, unit = original.middle, original.diagonal
     mine = (original.vertices - origin) / unit
-    center, size = suspect.vertices.mean(axis=0), suspect.diagonal
+    center, size = suspect.middle, suspect.diagonal
     theirs = (suspect.vertices - center) / size
     surface = Surface(theirs, suspect.faces)
     own_pose = _similarity((theirs * size + center - origin) / unit, theirs)
