@@ -118,5 +118,7 @@ def alive(pid: int) -> bool:
 
 def test_an_unknown_cluster_is_told():
     pytest.importorskip("distributed")
-    with pytest.raises(Wm3dError, match=r"^--dask nonsense: no scheduler answers there"):
+    with pytest.raises(Wm3dError, match=r"^--dask tcp://127.0.0.1:1: no scheduler answers there"):
+        list(execute([task(Clean())], MESHES, workers=1, dask="tcp://127.0.0.1:1"))
+    with pytest.raises(Wm3dError, match=r"^--dask nonsense: is no address of a scheduler"):
         list(execute([task(Clean())], MESHES, workers=1, dask="nonsense"))

@@ -275,6 +275,14 @@ def test_a_config_is_not_replaced_by_the_config_as_run(config, tmp_path):
     assert [file.name for file in mine.parent.iterdir()] == ["config.yaml"]
 
 
+def test_a_cluster_that_does_not_answer_costs_no_earlier_report(small, config):
+    pytest.importorskip("distributed")
+    before = results(small)
+    with pytest.raises(Wm3dError, match="no scheduler answers"):
+        run_config(config(), out=small, overrides=["trials=6"], dask="tcp://127.0.0.1:1")
+    assert results(small) == before
+
+
 def test_bad_input_leaves_no_directory(config, tmp_path):
     with pytest.raises(
         Wm3dError, match=r"(?s)^\S*: 2 faults:\n  unknown mesh 'bunnny'.*\n  unknown mesh 'cat'"

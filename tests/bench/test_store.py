@@ -1,6 +1,7 @@
 """Run directories: what is read is what was written, or it is said to be damaged; writes are whole or not."""
 
 import errno
+import os
 import random
 import resource
 from pathlib import Path
@@ -35,6 +36,11 @@ def directory(tmp_path: Path) -> RunDirectory:
 def test_rows_come_back_bit_for_bit(directory):
     pd.testing.assert_frame_equal(directory.read_cell(A), rows(), check_exact=True)
     assert directory.read_cell(B) is None
+
+
+def test_a_folder_may_have_a_name_that_is_no_utf_8(directory):
+    moved = directory.path.rename(directory.path.with_name(os.fsdecode(b"\xe9")))
+    assert len(RunDirectory(moved).read_cell(A)) == len(rows())
 
 
 def test_cells_of_earlier_versions_read_with_nan_for_what_they_lack(directory):

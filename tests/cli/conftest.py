@@ -94,7 +94,7 @@ def _write_bad_keys(folder: Path) -> None:
         "odd-region": ("16,\n", "15,\n"),
         "no-seed": ('"seed": 7', '"salt": 7'),
         "huge-seed": ('"seed": 7', f'"seed": {1 << 256}'),
-        "text-seed": ('"seed": 7', '"seed": "7"'),
+        "text-seed": ('"seed": 7', '"seed": "seven"'),
         "unknown-scheme": ('"song2002"', '"song2003"'),
         "unknown-parameter": ('"alpha"', '"alhpa"'),
         "nan-alpha": ('"alpha": 1.3', '"alpha": NaN'),

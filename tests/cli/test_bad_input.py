@@ -87,7 +87,7 @@ def _table() -> list[tuple[str, str, str]]:
         (f"{EMBED} --grid 99999x84", "grid", "less than or equal to 32768"),
         (f"{EMBED} --scheme song2003", "song2003", "did you mean 'song2002'"),
         (f"{EMBED} --alpha -1", "alpha", "greater than 0"),
-        (f"{EMBED} --alpha 1e99", "alpha", "less than or equal to"),
+        (f"{EMBED} --alpha 1e99", "alpha", "less than 100"),
         (f"{EMBED} --alpha nan", "alpha", "finite"),
         (f"{EMBED} --alpha 1 --snr 40", "alpha and --snr", "give one"),
         (f"{EMBED} --alpha 1 alpha=2", "alpha", "twice"),

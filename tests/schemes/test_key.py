@@ -24,6 +24,14 @@ def test_key_comes_back_from_its_file_and_finds_the_mark(tmp_path):
     assert Key.load(tmp_path / "key.json").score(marked).z == KEY.score(marked).z > 10
 
 
+@pytest.mark.parametrize("seed", [0, 2**53 - 1, 2**53 + 1, 2**256 - 1])
+def test_seed_survives_a_program_that_knows_numbers_as_doubles_only(seed, tmp_path):
+    Key(Song2002(), seed).save(tmp_path / "key.json")
+    through = json.loads((tmp_path / "key.json").read_text(), parse_int=lambda digits: int(float(digits)))
+    (tmp_path / "through.json").write_text(json.dumps(through))
+    assert Key.load(tmp_path / "through.json").seed == seed
+
+
 def test_key_file_keeps_the_version_that_its_scheme_had(tmp_path, monkeypatch):
     Key(Song2002(), 1).save(tmp_path / "key.json")
     monkeypatch.setattr(Song2002, "version", Song2002.version + 1)
@@ -75,7 +83,7 @@ def test_secret_is_not_shown_where_a_key_is_printed():
         ({**GOOD, "seed": -1}, '"seed" is -1, not an integer from 0 to'),
         ({**GOOD, "seed": 1 << 256}, "not an integer from 0 to"),
         ({**GOOD, "seed": 7.0}, '"seed" is 7.0, not an integer'),
-        ({**GOOD, "seed": "7"}, "\"seed\" is '7', not an integer"),
+        ({**GOOD, "seed": "7e3"}, "\"seed\" is '7e3', not an integer"),
         ({**GOOD, "seed": True}, '"seed" is True, not an integer'),
         ({"format": "wm3d-key-1", "scheme": {"name": "song2002"}}, '"seed" is None, not an integer'),
         ({**GOOD, "scheme": "song2002"}, '"scheme" must hold the name and parameters'),

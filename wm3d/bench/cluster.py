@@ -6,6 +6,7 @@ Not by joblib's Dask backend: it waits forever for a task that the scheduler gav
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -13,6 +14,9 @@ from wm3d.bench.plan import Task
 from wm3d.bench.worker import work
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 PATIENCE = 60.0
 """Seconds without any worker after which a run gives up."""
@@ -32,15 +36,9 @@ def on_cluster(
     Wm3dError
         If distributed is not installed, or no scheduler or no worker answers.
     """
-    try:
-        import dask
-        from distributed import Client, KilledWorker, as_completed
-    except ImportError:
-        raise Wm3dError("--dask needs the extra: pip install 'wm3d[dask]'.") from None
-    try:
-        client = Client(address, timeout="10s", set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
-        raise Wm3dError(f"--dask {address}: no scheduler answers there ({error}).") from None
+    client = _client(address)
+    import dask
+    from distributed import KilledWorker, as_completed
 
     def run(tasks: list[Task]) -> Iterator[tuple[Task, dict[str, pd.DataFrame]]]:
         futures = {
@@ -81,6 +79,24 @@ def on_cluster(
         with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GiB"}):
             held = {name: client.submit(_hold, mesh, pure=False) for name, mesh in meshes.items()}
         yield run
+
+
+def check_scheduler(address: str) -> None:
+    """Raise Wm3dError unless a Dask scheduler answers at an address."""
+    _client(address).close()
+
+
+def _client(address: str) -> "Client":
+    try:
+        from distributed import Client
+    except ImportError:
+        raise Wm3dError("--dask needs the extra: pip install 'wm3d[dask]'.") from None
+    if ":" not in address:  # of which a client leaves a traceback
+        raise Wm3dError(f"--dask {address}: is no address of a scheduler, such as tcp://127.0.0.1:8786.")
+    try:
+        return Client(address, timeout="10s", set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise Wm3dError(f"--dask {address}: no scheduler answers there ({error}).") from None
 
 
 def _hold(mesh: Mesh) -> Mesh:

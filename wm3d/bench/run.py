@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from wm3d.bench.cluster import check_scheduler
 from wm3d.bench.columns import COLUMNS, TRY_AGAIN
 from wm3d.bench.config import Experiment, load_experiment
 from wm3d.bench.estimate import print_estimate
@@ -86,6 +87,8 @@ def run_config(
         missing = [cell for cell in cells if not _held(cell, directory)]
         print_estimate(experiment.name, cells, missing, meshes, workers)
         return Outcome(directory.path, 0)
+    if dask is not None:
+        check_scheduler(dask)  # before the report of an earlier run goes
     directory.create()
     with directory.locked():
         started = datetime.now(UTC)

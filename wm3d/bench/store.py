@@ -118,7 +118,8 @@ class RunDirectory:
         if not path.exists():
             return None
         try:
-            with pq.ParquetFile(path, page_checksum_verification=True, memory_map=False) as file:
+            content = pa.BufferReader(path.read_bytes())  # its own reader wants UTF-8 in paths
+            with pq.ParquetFile(content, page_checksum_verification=True) as file:
                 table = file.read()
             metadata = table.schema.metadata or {}
             if metadata.get(CELL_KEY) != digest.encode():

@@ -4,7 +4,7 @@ import os
 import secrets
 import stat
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
@@ -89,7 +89,8 @@ def _staged(path: str | os.PathLike[str], content: bytes) -> Iterator[Callable[[
             stream.write(content)
         yield put_in_place
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # of a file system that is read-only, of which the user has been told
+            temporary.unlink(missing_ok=True)
 
 
 @contextmanager

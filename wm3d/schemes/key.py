@@ -14,6 +14,10 @@ from wm3d.stats import Score
 
 FORMAT = "wm3d-key-1"
 
+SAFE, DIGITS = 2**53, 78
+"""Largest seed that stands in the file as a number, for many programs round larger ones. Those stand there as
+text, of so many digits at most."""
+
 
 @dataclass(frozen=True)
 class Key:
@@ -63,7 +67,7 @@ class Key:
         content = {
             "format": FORMAT,
             "version": self.scheme.version if self.version is None else self.version,
-            "seed": self.seed,
+            "seed": self.seed if self.seed <= SAFE else str(self.seed),
             "scheme": self.scheme.model_dump(mode="json"),
         }
         return Secret((json.dumps(content, indent=2) + "\n").encode())
@@ -95,6 +99,8 @@ class Key:
         scheme, seed = content.get("scheme"), content.get("seed")
         if not isinstance(scheme, dict) or not isinstance(scheme.get("name"), str):
             raise Wm3dError('is not a complete key: "scheme" must hold the name and parameters of a scheme.')
+        if isinstance(seed, str) and seed.isascii() and seed.isdigit() and len(seed) <= DIGITS:
+            seed = int(seed)
         if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < 1 << 256:
             raise Wm3dError(
                 f'is not a complete key: "seed" is {shown(seed)}, not an integer from 0 to 2^256 − 1.'

@@ -119,7 +119,7 @@ class RangeDct(Scheme):
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
 
-    alpha: Annotated[float, Field(gt=0, le=1e6)] = 0.63
+    alpha: Annotated[float, Field(gt=0, lt=100)] = 0.63
     blocks: Annotated[int, Field(ge=1, le=10_000)] | None = None
     reference: Annotated[Reference | None, Field(repr=False)] = None
 
