@@ -125,6 +125,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             # of nulls, those of one key; wrong keys are scored on the same meshes
             trials={name: int(tables[name]["trials"].min()) for name in CONFIGS if name in tables},
             paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
+            spread=paper.loc[paper["scheme"].str.startswith("range-dct"), "z_std"].max(),
             ratios=tables["beside_song2002"].to_dict("records"),
             other=pivot(drawn(tables, "other_attacks")),
             broken=pivot(drawn(tables, "broken_meshes")),

@@ -1,6 +1,7 @@
 """The verbs of the Python interface: embed and detect."""
 
 import operator
+import secrets
 from collections.abc import Collection
 from typing import Any
 
@@ -14,6 +15,9 @@ PAPER_SCHEME = "song2002"
 PAPER_PARAMETERS = {"grid", "region", "miss", "normalize"}
 """Parameters by which a caller who names no scheme asks for the paper's."""
 
+SEED_BITS = 128
+"""Size of the random secret of `embed`: beyond any search, and short enough to copy."""
+
 
 def default_scheme(parameters: Collection[str]) -> str:
     """Return the scheme of a caller who names none: the robust one, or the paper's if a parameter is its."""
@@ -23,7 +27,7 @@ def default_scheme(parameters: Collection[str]) -> str:
 def embed(
     mesh: Mesh,
     *,
-    seed: int,
+    seed: int | None = None,
     scheme: str | Scheme | None = None,
     snr: float | None = None,
     **parameters: Any,
@@ -33,8 +37,8 @@ def embed(
     Parameters
     ----------
     mesh : Mesh
-    seed : int
-        The secret; 0 ≤ seed < 2^256.
+    seed : int, optional
+        The secret, 0 ≤ seed < 2^256; `SEED_BITS` random bits if omitted.
     scheme : str or Scheme, optional
         A scheme, or its name with `parameters`; `default_scheme` if omitted.
     snr : float, optional
@@ -56,7 +60,7 @@ def embed(
     """
     chosen = _chosen(scheme, parameters)
     _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
-    seed = _checked_seed(seed)
+    seed = secrets.randbits(SEED_BITS) if seed is None else _checked_seed(seed)
     if snr is not None:
         if chosen.strength in parameters:
             raise Wm3dError(f"{chosen.strength} and snr both set the strength of the mark; give one of them.")

@@ -1,4 +1,4 @@
-"""The one exception that wm3d raises for bad input; its text is one sentence a user can act on."""
+"""The exception that wm3d raises for bad input; its text is one sentence a user can act on."""
 
 import reprlib
 from typing import Any
@@ -29,3 +29,7 @@ class Wm3dError(ValueError):
     The message is one sentence that names the file or the parameter, the offending value and, where there
     is one, the remedy. The command line prints it on stderr and exits with status 2.
     """
+
+
+class NoSolidError(Wm3dError):
+    """The faces of a mesh bound no solid, so it has no moments that could pose it."""

@@ -111,7 +111,13 @@ def test_missing_key_file_is_named(tmp_path):
         Key.load(tmp_path / "none.json")
 
 
-@pytest.mark.parametrize("seed", [-1, 1 << 256, 1.5, "7", None])
+def test_seed_is_random_unless_given():
+    seeds = {embed(blob(0, 5), scheme="vertex-ss")[1].seed for _ in range(3)}
+    assert len(seeds) == 3
+    assert min(seeds) > 2**64  # once in 2^64 not so
+
+
+@pytest.mark.parametrize("seed", [-1, 1 << 256, 1.5, "7"])
 def test_embed_refuses_what_no_key_can_hold(seed):
     with pytest.raises(Wm3dError, match=r"the seed is .*; it must be an integer from 0 to"):
         embed(blob(0, 3), seed=seed)

@@ -10,7 +10,7 @@ from wm3d.attacks import kernels
 from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import without_unused
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, is_balanced, orientation
+from wm3d.mesh import Mesh, is_balanced, orientation, sewn
 
 MARGIN = 1.5
 """Cells between the bounding box and the grid's border: all border nodes are outside."""
@@ -45,10 +45,11 @@ class MarchingCubes(Attack):
         """Return the new mesh; see `Attack`."""
         from skimage.measure import marching_cubes  # slow to import
 
+        mesh = sewn(mesh).mesh
         if not is_balanced(mesh):
             raise Wm3dError(
-                f"{mesh.name}: {self.label()} needs a closed surface, to tell inside from outside; weld it, "
-                "close its holes, or use screened-poisson."
+                f"{mesh.name}: {self.label()} needs a closed surface, to tell inside from outside; close its "
+                "holes, or use screened-poisson."
             )
         cell = mesh.diagonal / self.cells
         origin = mesh.vertices.min(axis=0) - MARGIN * cell

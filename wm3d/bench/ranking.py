@@ -61,8 +61,9 @@ def ranking(
     DataFrame
         `score` is the mean Pd, `survived` the share of attacks and meshes with Pd of at least `DETECTED`;
         `log10_pf_least`, `ber`, `snr_db` and seconds are means over attacks and meshes, `embed_mb` is the
-        maximum; `snr_apart` is how far keys lie apart in SNR, in dB, on the mesh where most. All of them are
-        over the meshes that `meshes` counts; where these are not all, `rank` is NaN.
+        maximum; `snr_apart` is how far keys lie apart in SNR, in dB, on the mesh where most. `score` is over
+        the meshes that `meshes` counts, the others over all that have numbers; where the former are not all,
+        `rank` is NaN.
     """
     lines = [
         line

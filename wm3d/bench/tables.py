@@ -220,7 +220,7 @@ def swept(rows: pd.DataFrame, false_alarms: pd.DataFrame) -> pd.DataFrame:
 
 
 def timing(rows: pd.DataFrame) -> pd.DataFrame:
-    """Median seconds of the stages, most MB of embedding; the one table that differs between runs."""
+    """Median seconds of the stages, most MB of embedding; with them, and those of a ranking, runs differ."""
     stages = ["embed_seconds", "attack_seconds", "score_seconds"]
     trials = rows[rows["hypothesis"] == "H1"]
     columns = dict.fromkeys(stages, "median") | {"embed_mb": "max"}

@@ -2,7 +2,6 @@
 
 import json
 import math
-import secrets
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,9 +22,6 @@ from wm3d.errors import Wm3dError
 
 if TYPE_CHECKING:
     from wm3d.stats import Score
-
-SEED_BITS = 128
-"""Size of the random secret of `embed`: beyond any search, and short enough to copy."""
 
 
 def _default_pf() -> str:
@@ -53,7 +49,7 @@ def embed(
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(metavar="N", help="The secret, below 2^256.", show_default=f"{SEED_BITS} random bits"),
+        typer.Option(metavar="N", help="The secret, below 2^256.", show_default="random bits"),
     ] = None,
     alpha: Annotated[
         float | None,
@@ -107,8 +103,7 @@ def embed(
     for file in (target, key):
         check_target(file)
     mesh = read_mesh(source)
-    secret = secrets.randbits(SEED_BITS) if seed is None else seed
-    marked, its_key = mark(mesh, seed=secret, scheme=chosen, snr=snr)
+    marked, its_key = mark(mesh, seed=seed, scheme=chosen, snr=snr)
     content = encode_mesh(marked, target)
     written = decode_mesh(content, target, name=str(target))
     score = its_key.score(written)

@@ -209,12 +209,17 @@ def cone_integrals(vertices: FloatArray, faces: IntArray, apex: FloatArray, unit
 
 
 @njit(cache=True)
-def _directed(a: np.uint64, b: np.uint64) -> np.uint64:
-    """Hash the edge from a to b (splitmix64, Steele, Lea & Flood 2014); from b to a it is the negative."""
-    key = (min(a, b) << np.uint64(32)) + max(a, b) + np.uint64(0x9E3779B97F4A7C15)
+def mixed(key: np.uint64) -> np.uint64:
+    """Mix the bits of a number (splitmix64, Steele, Lea & Flood 2014)."""
     key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    key ^= key >> np.uint64(31)
+    return key ^ (key >> np.uint64(31))
+
+
+@njit(cache=True)
+def _directed(a: np.uint64, b: np.uint64) -> np.uint64:
+    """Hash the edge from a to b; from b to a it is the negative."""
+    key = mixed((min(a, b) << np.uint64(32)) + max(a, b) + np.uint64(0x9E3779B97F4A7C15))
     return key if a < b else np.uint64(0) - key if a > b else np.uint64(0)
 
 
@@ -261,11 +266,3 @@ def row_hashes(rows: NDArray[np.uint64]) -> NDArray[np.uint64]:
         for k in range(rows.shape[1]):
             hashes[i] = mixed(hashes[i] ^ rows[i, k])
     return hashes
-
-
-@njit(cache=True)
-def mixed(key: np.uint64) -> np.uint64:
-    """Mix the bits of a number (splitmix64, Steele, Lea & Flood 2014)."""
-    key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return key ^ (key >> np.uint64(31))

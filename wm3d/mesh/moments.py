@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wm3d.arrays import FloatArray
-from wm3d.errors import Wm3dError
+from wm3d.errors import NoSolidError
 from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
 
@@ -102,7 +102,7 @@ def volume_moments(mesh: Mesh) -> VolumeMoments:
 
     Raises
     ------
-    Wm3dError
+    NoSolidError
         If the faces enclose no volume, as those of a flat sheet.
     """
     apex = mesh.middle
@@ -114,9 +114,9 @@ def volume_moments(mesh: Mesh) -> VolumeMoments:
 
 
 def check_volume(mesh: Mesh, volume: float) -> None:
-    """Raise Wm3dError if a volume is next to nothing for a mesh of this size."""
+    """Raise NoSolidError if a volume is next to nothing for a mesh of this size."""
     if abs(volume) <= LEAST_VOLUME * mesh.diagonal**3:
-        raise Wm3dError(
+        raise NoSolidError(
             f"{mesh.name}: its faces enclose no volume, as if all lay in a plane, but only a solid has the "
             "moments that fix its pose."
         )

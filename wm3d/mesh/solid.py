@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wm3d.arrays import FloatArray, IntArray
-from wm3d.errors import Wm3dError
+from wm3d.errors import NoSolidError
 from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.moments import check_volume, volume_moments
@@ -100,7 +100,7 @@ def solid_moments(mesh: Mesh) -> SolidMoments:
 
     Raises
     ------
-    Wm3dError
+    NoSolidError
         If the faces enclose no volume, as those of a flat sheet, or are wound so at variance that the second
         moments are not those of a solid.
     """
@@ -142,13 +142,13 @@ def whitening(second: FloatArray, name: str) -> tuple[FloatArray, FloatArray]:
 
     Raises
     ------
-    Wm3dError
+    NoSolidError
         If they are not positive, as can be where parts of a mesh are wound inwards and others outwards, or
         where it is a sheet.
     """
     values, axes = np.linalg.eigh(second)
     if not _is_solid(second):
-        raise Wm3dError(
+        raise NoSolidError(
             f"{name}: its faces bound no solid that extends in every direction; wind all parts alike, and "
             "close an open sheet."
         )

@@ -8,14 +8,14 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from wm3d.arrays import FloatArray, SignArray
 from wm3d.attacks import GaussianNoise, Similarity
-from wm3d.errors import Wm3dError
+from wm3d.errors import NoSolidError, Wm3dError
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
 from wm3d.mesh import Mesh, SolidMoments, solid_moments, whole_surface
 from wm3d.mesh.solid import ENTRIES
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, recognized
 from wm3d.scanner.denoise import denoised, whitened_area
-from wm3d.scanner.registration import Landmarks, Surface, Warp, nearest, registered
+from wm3d.scanner.registration import CLEAR, Landmarks, Surface, Warp, nearest, registered
 from wm3d.scanner.scan import MAX_GRID
 from wm3d.schemes.base import Scheme
 from wm3d.schemes.informed import informed_moves
@@ -177,15 +177,24 @@ class RangeDct(Scheme):
         count as tries. See `Scheme.evidence`.
         """
         known = self._known
-        mesh = denoised(whole_surface(mesh), known.area)
-        mesh, frames = recognized(mesh, SolidMoments.of_entries(known.moments), known.ways)
-        surface, landmarks = Surface.of(mesh), Landmarks.decode(known.landmarks)
-        pose = nearest(surface, landmarks, [known.pose(frame, surface) for frame in frames])
-        found = registered(surface, landmarks, (pose, known.home_pose(surface)))
+        mesh = whole_surface(mesh)
+        landmarks = Landmarks.decode(known.landmarks)
+        try:
+            mesh, frames = recognized(
+                denoised(mesh, known.area), SolidMoments.of_entries(known.moments), known.ways
+            )
+        except NoSolidError:  # as what one view of a scanner saw: the landmarks alone may tell where it lies
+            surface, tries = Surface.of(mesh), known.ways
+            found = registered(surface, landmarks, (known.home_pose(surface),))
+            if found.share < CLEAR:
+                raise
+        else:
+            surface, tries = Surface.of(mesh), len(frames)
+            pose = nearest(surface, landmarks, [known.pose(frame, surface) for frame in frames])
+            found = registered(surface, landmarks, (pose, known.home_pose(surface)))
         layout = Layout(known.grid, known.hmin, known.height)
         image = layout.image(found.warp(surface.placed(mesh.vertices)), mesh)
-        evidence = ShapedDct.of(image.volumes, image.areas).evidence(known.strength)
-        return replace(evidence, tries=len(frames))
+        return replace(ShapedDct.of(image.volumes, image.areas).evidence(known.strength), tries=tries)
 
     @property
     def _known(self) -> Reference:

@@ -17,8 +17,8 @@ class VertexSs(Scheme):
     """One sign for each vertex in file order, added to its distance from the vertex mean.
 
     ρ_i' = ρ_i + α ρ̄ w_k with k = i mod n: vertex i of the file carries sign i mod n, so nothing but the
-    order of the vertices synchronises the detector. A file that is reordered, cut or simplified has lost the
-    mark: that is what makes it the floor.
+    order of the vertices synchronises the detector. A file that is reordered or simplified has lost the mark,
+    and after a cut what follows the first vertex that is gone: that is what makes it the floor.
 
     Attributes
     ----------
