@@ -17,7 +17,7 @@ from wm3d.bench.curves import LEAST_LOG10_PF
 from wm3d.bench.figures import power_of_ten
 from wm3d.bench.htmltables import HtmlTable, html_table, short_power, shortener
 from wm3d.bench.readings import readings
-from wm3d.bench.summary import DETECTED, quoted_pf
+from wm3d.bench.summary import DETECTED, LOST, quoted_pf
 from wm3d.bench.tables import CELL_KEYS
 
 HYPOTHESES = {
@@ -75,6 +75,7 @@ def render(run: Run) -> str:
             z_at_pf=float(norm.isf(pf)),
             least_log10_pf=LEAST_LOG10_PF,
             detected=DETECTED,
+            lost=LOST,
             marked={name: run.manifest["meshes"][name] for case in experiment.cases for name in case.meshes},
             cases=findings.cases(run.tables["detection"], pf),
             statistics=findings.statistics(experiment),

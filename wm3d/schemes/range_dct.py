@@ -149,8 +149,8 @@ class RangeDct(Scheme):
             laid = host.mark.amplitude.shape[0]
             raise Wm3dError(
                 f"{mesh.name}: the mark cannot be read even from the marked mesh, which has too few "
-                f"vertices, bounds no solid or is out of shape; try another alpha than {self.alpha:g}"
-                + (f" or fewer blocks than {laid}." if laid > 1 else ".")
+                f"vertices, bounds no solid or is out of shape; subdivide it, try another alpha than "
+                f"{self.alpha:g}" + (f" or fewer blocks than {laid}." if laid > 1 else ".")
             )
         scheme = self.model_copy(update={"reference": reference})
         if host.ways > 1 and not scheme._tells_sides_apart(marked, seed):
