@@ -144,10 +144,11 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
 
 
 def pivot(detection: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
-    """Return the lines of a table by attack and mesh, in the order of the configs."""
+    """Return the lines of a table by attack and mesh, in the order of the configs; meshes as in the first."""
     lines: dict[str, dict[str, dict[str, float]]] = {}
-    for line in detection.to_dict("records"):
-        lines.setdefault(line["attack"], {})[line["mesh"]] = line
+    for mesh in detection["mesh"].unique() if len(detection) else ():
+        for line in detection[detection["mesh"] == mesh].to_dict("records"):
+            lines.setdefault(line["attack"], {})[mesh] = line
     return lines
 
 

@@ -242,7 +242,8 @@ def _settled(turns: FloatArray, differences: Callable[[FloatArray], FloatArray])
         here = differences(turns)
         slopes = np.stack([(differences(turns @ nudge) - here) / NUDGE for nudge in nudges], axis=1)
         normal = slopes @ slopes.swapaxes(1, 2)
-        normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        damping = 1e-9 * np.trace(normal, axis1=1, axis2=2) + np.finfo(float).tiny  # a ball has no slopes
+        normal += damping[:, None, None] * np.eye(3)
         step = np.linalg.solve(normal, -slopes @ here[:, :, None])[:, :, 0]
         length = np.linalg.norm(step, axis=1, keepdims=True)
         step *= np.minimum(1, longest / np.maximum(length, longest))
