@@ -8,6 +8,7 @@ import pandas as pd
 from scipy.stats import kstest
 
 from wm3d.stats import auc, clopper_pearson, d_prime, eer, exceedances, quoted, roc, student_t
+from wm3d.stats.intervals import QUOTABLE_COUNT
 
 Line = dict[str, Any]
 
@@ -140,9 +141,9 @@ def nulls(rows: pd.DataFrame) -> pd.DataFrame:
     """Whether scores without the mark follow the exact key null: z has mean 0, variance 1, p is uniform.
 
     `subject` is the mesh that was read. `ks_p` is the p-value of a Kolmogorov–Smirnov test of p against the
-    uniform law, `pf_0.01` the share of p ≤ 0.01 with its 95 % interval. The verdict holds both tests of all
-    lines together to `NULL_LEVEL` (Bonferroni). Meshes that cannot be read have p = 1 for every key; they are
-    counted in `unreadable` and left out.
+    uniform law, `alarms` how many p are at most 0.01, `pf_0.01` their share, quoted from 1000 trials on, with
+    its 95 % interval. The verdict holds both tests of all lines together to `NULL_LEVEL` (Bonferroni). Meshes
+    that cannot be read have p = 1 for every key; they are counted in `unreadable` and left out.
     """
     keys = [*CELL_KEYS, "hypothesis", "subject"]
     null = rows[rows["hypothesis"] != "H1"]
@@ -168,7 +169,8 @@ def _null_row(group: pd.DataFrame) -> Line:
         "z_mean": z.mean() if len(z) else np.nan,
         "z_var": z.var(ddof=1) if len(z) > 1 else np.nan,
         "ks_p": kstest(p, "uniform").pvalue if len(p) else np.nan,
-        "pf_0.01": alarms / len(p) if len(p) else np.nan,
+        "alarms": alarms,
+        "pf_0.01": alarms / len(p) if len(p) >= QUOTABLE_COUNT / 0.01 else np.nan,
         "pf_0.01_low": float(band.low),
         "pf_0.01_high": float(band.high),
     }
@@ -179,15 +181,16 @@ def _null_verdict(line: Line, tests: int) -> str:
     if trials == 0:
         return "nothing was read"
     level = NULL_LEVEL / tests
-    band = clopper_pearson(round(line["pf_0.01"] * trials), trials, 1 - level)
+    band = clopper_pearson(line["alarms"], trials, 1 - level)
+    count = f"{line['alarms']} of {trials} p ≤ 0.01"
     faults = []
     if line["ks_p"] < level:
         faults.append(f"p is not uniform (KS p = {line['ks_p']:.1e})")
     if not band.low <= 0.01 <= band.high:
-        faults.append(f"{line['pf_0.01']:.2%} of p ≤ 0.01")
+        faults.append(count)
     if faults:
         return "departs from the key null: " + " and ".join(faults)
-    return f"follows the key null: KS p = {line['ks_p']:.2g}, {line['pf_0.01']:.2%} of p ≤ 0.01"
+    return f"follows the key null: KS p = {line['ks_p']:.2g}, {count}"
 
 
 def counted(false_alarms: pd.DataFrame) -> pd.DataFrame:
