@@ -60,6 +60,7 @@ def test_run_hands_its_options_on_and_tells_failures(
 @pytest.fixture
 def own_handlers() -> Iterator[None]:
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has what it runs aside ignore it
     yield
     for number, handler in handlers.items():
         signal.signal(number, handler)

@@ -201,6 +201,6 @@ def _unknown(name: str) -> str:
     near = difflib.get_close_matches(name, dataset_names(), n=1)
     hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(dataset_names())}."
     return (
-        f"unknown mesh {name!r}: neither a dataset, nor in a folder that the environment variable WM3D_DATA "
-        f"names, nor a mesh file; {hint}"
+        f"unknown mesh {name!r}: neither a dataset nor a mesh file, nor in a folder that the environment "
+        f"variable WM3D_DATA names; {hint}"
     )
