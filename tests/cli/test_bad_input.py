@@ -267,14 +267,16 @@ def test_as_a_process(line: str, named: str, words: str, files: Path, out: Path)
     assert list(out.iterdir()) == []
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+FULL = pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+
+
 @pytest.mark.parametrize(
     ("mesh", "redirection", "status"),
     [
         ("marked.ply", "| true", 141),
         ("marked.ply", "2>&-", 0),
-        ("marked.ply", ">/dev/full 2>&1", 2),
-        ("no.ply", "2>/dev/full", 2),
+        pytest.param("marked.ply", ">/dev/full 2>&1", 2, marks=FULL),
+        pytest.param("no.ply", "2>/dev/full", 2, marks=FULL),
     ],
 )
 def test_output_that_cannot_be_written_is_no_answer(

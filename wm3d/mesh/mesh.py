@@ -101,18 +101,12 @@ class Mesh:
     @cached_property
     def vertex_mean(self) -> FloatArray:
         """Mean m (3,) of all vertices, used or not, in the unit of the mesh, as the paper has it."""
-        mean: FloatArray = kernels.vertex_mean(self.vertices)
-        mean.flags.writeable = False
-        return mean
+        return _frozen_mean(self.vertices)
 
     @cached_property
     def middle(self) -> FloatArray:
         """Mean (3,) of the vertices that a face uses, in the unit of the mesh."""
-        if self.used.all():
-            return self.vertex_mean
-        mean: FloatArray = kernels.vertex_mean(self.vertices[self.used])
-        mean.flags.writeable = False
-        return mean
+        return self.vertex_mean if self.used.all() else _frozen_mean(self.vertices[self.used])
 
     @cached_property
     def used(self) -> BoolArray:
@@ -140,6 +134,12 @@ class Mesh:
         content.update(self.vertices.astype("<f8", copy=False).tobytes())
         content.update(self.faces.astype("<i8", copy=False).tobytes())
         return content.hexdigest()
+
+
+def _frozen_mean(vertices: FloatArray) -> FloatArray:
+    mean: FloatArray = kernels.vertex_mean(vertices)
+    mean.flags.writeable = False
+    return mean
 
 
 def _frozen_vertices(values: ArrayLike, name: str) -> FloatArray:
