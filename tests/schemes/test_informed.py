@@ -10,7 +10,7 @@ from wm3d.attacks import GaussianNoise, LaplacianSmoothing, Simplify
 from wm3d.mesh import Mesh, surface_area
 from wm3d.metrics import snr
 from wm3d.schemes import SCHEMES, informed
-from wm3d.schemes.informed import _change, _pulled, informed_moves, pattern_moves
+from wm3d.schemes.informed import change_of, informed_moves, pattern_moves, pulled
 from wm3d.schemes.volume_host import host_of
 from wm3d.stats import key_signs
 
@@ -31,7 +31,7 @@ def signs(host):
 def test_slope_along_the_moves_is_the_adjoint_of_the_change_of_the_image(host):
     rng = np.random.default_rng(0)
     along, slope = rng.normal(size=len(host.posed)), rng.normal(size=host.mark.received.shape)
-    assert (slope * _change(host, along)).sum() == pytest.approx(_pulled(host, slope) @ along, rel=1e-9)
+    assert (slope * change_of(host, along)).sum() == pytest.approx(pulled(host, slope) @ along, rel=1e-9)
 
 
 @pytest.mark.parametrize("size", [1e-4, 6e-3, 0.05])
@@ -52,7 +52,7 @@ def test_area_and_share_are_those_of_the_surface_and_of_its_vertices(host):
 
 def test_more_signs_are_read_than_from_the_pattern_at_the_same_size(host, signs):
     def agreeing(along):
-        return ((host.mark.received + _change(host, along)) * signs.reshape(-1, 63) > 0).mean()
+        return ((host.mark.received + change_of(host, along)) * signs.reshape(-1, 63) > 0).mean()
 
     size = 6e-3
     pattern, moved = pattern_moves(host, signs, size), informed_moves(host, signs, size)

@@ -12,7 +12,7 @@ from wm3d.arrays import BoolArray, FloatArray, SignArray
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
 from wm3d.stats import RademacherSum
 
-SHAPING = 0.5
+SHAPING = 0.3
 """Amplitudes fall with this power of the host's scale: between equal moves (0) and equal contrast (−1)."""
 
 MOST_AMPLITUDE = 2.0
@@ -38,15 +38,15 @@ class ShapedDct:
         y, the coefficients, in the unit of the volumes.
     scale : (blocks, 63) ndarray
         Mean size of the host's coefficients: activity of the block times profile of the frequency.
-    response : (blocks, 63) ndarray
-        How much y grows with a mark of unit strength: amplitude times mean area of the block's cells.
+    area : (blocks, 1) ndarray
+        Mean area of the block's cells, in squared units: how fast y grows when the surface moves.
     amplitude : (blocks, 63) ndarray
         Relative amplitude of the moves; 1 for the median coefficient, 0 where a block carries no mark.
     """
 
     received: FloatArray
     scale: FloatArray
-    response: FloatArray
+    area: FloatArray
     amplitude: FloatArray
 
     @classmethod
@@ -59,7 +59,12 @@ class ShapedDct:
         carries = (area > LEAST_AREA * area.mean()) & (scale > 0)
         contrast = np.divide(scale, area, out=np.ones_like(scale), where=carries)
         amplitude = _amplitude(contrast, carries)
-        return cls(received, scale, amplitude * area, amplitude)
+        return cls(received, scale, area, amplitude)
+
+    @property
+    def response(self) -> FloatArray:
+        """How much y grows with a mark of unit strength: (blocks, 63)."""
+        return self.amplitude * self.area
 
     @property
     def carries(self) -> BoolArray:

@@ -8,6 +8,7 @@ from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.moments import (
     VertexMoments,
     VolumeMoments,
+    face_areas,
     is_balanced,
     is_closed,
     orientation,
@@ -34,6 +35,7 @@ __all__ = [
     "datasets",
     "decode_mesh",
     "encode_mesh",
+    "face_areas",
     "is_balanced",
     "is_closed",
     "load_mesh",

@@ -80,6 +80,27 @@ def surface_area(vertices: FloatArray, faces: IntArray) -> float:
     return total / 2.0
 
 
+@njit(cache=True, nogil=True)
+def face_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Area of each face: (m,)."""
+    areas = np.empty(faces.shape[0])
+    for f in range(faces.shape[0]):
+        areas[f] = _doubled_area(vertices, faces, f) / 2.0
+    return areas
+
+
+@njit(cache=True)
+def normal_sums(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Sum of the normals of the faces around each vertex, twice as long as their areas: (n, 3)."""
+    sums = np.zeros_like(vertices)
+    for f in range(faces.shape[0]):
+        normal = _doubled_normal(vertices, faces, f)
+        for k in range(3):
+            for axis in range(3):
+                sums[faces[f, k], axis] += normal[axis]
+    return sums
+
+
 @njit(cache=True)
 def cumulated_area(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Area of each face and of all before it: (m,)."""
@@ -231,12 +252,18 @@ def _relative(vertices: FloatArray, index: int, origin: FloatArray) -> Vector:
 
 @njit(cache=True)
 def _doubled_area(vertices: FloatArray, faces: IntArray, f: int) -> float:
+    nx, ny, nz = _doubled_normal(vertices, faces, f)
+    doubled: float = np.sqrt(nx * nx + ny * ny + nz * nz)
+    return doubled
+
+
+@njit(cache=True)
+def _doubled_normal(vertices: FloatArray, faces: IntArray, f: int) -> Vector:
+    """Return the normal of a face by its winding and the right hand, twice as long as its area."""
     corner = vertices[faces[f, 0]]
     ux, uy, uz = _relative(vertices, faces[f, 1], corner)
     wx, wy, wz = _relative(vertices, faces[f, 2], corner)
-    nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
-    doubled: float = np.sqrt(nx * nx + ny * ny + nz * nz)
-    return doubled
+    return uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
 
 
 @njit(cache=True)

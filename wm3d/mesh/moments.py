@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wm3d.arrays import FloatArray
+from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import NoSolidError
 from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
@@ -48,6 +48,12 @@ def vertex_moments(mesh: Mesh) -> VertexMoments:
 def surface_area(mesh: Mesh) -> float:
     """Return the summed area of all faces, in squared units."""
     return float(kernels.surface_area(mesh.vertices, mesh.faces))
+
+
+def face_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the area of each of (m, 3) faces with (n, 3) vertices: (m,), in squared units."""
+    areas: FloatArray = kernels.face_areas(vertices, faces)
+    return areas
 
 
 def signed_volume(mesh: Mesh) -> float:

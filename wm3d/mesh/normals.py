@@ -3,6 +3,7 @@
 import numpy as np
 
 from wm3d.arrays import FloatArray
+from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.moments import orientation
 
@@ -12,10 +13,7 @@ def vertex_normals(mesh: Mesh) -> FloatArray:
 
     Outward as `orientation` tells it, whichever way the faces are wound; zero where a vertex has no face.
     """
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    of_faces = orientation(mesh) * np.cross(b - a, c - a)
-    corners, n = mesh.faces.T.ravel(), len(mesh.vertices)
-    sums = np.column_stack([np.bincount(corners, np.tile(of_faces[:, k], 3), n) for k in range(3)])
+    sums = orientation(mesh) * kernels.normal_sums(mesh.vertices, mesh.faces)
     length = np.linalg.norm(sums, axis=1, keepdims=True)
     normals: FloatArray = sums / np.where(length > 0, length, 1.0)
     return normals

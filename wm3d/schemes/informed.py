@@ -17,7 +17,7 @@ from wm3d.imagemarks.shaped_dct import Agreement
 from wm3d.schemes import kernels
 from wm3d.schemes.volume_host import Host
 
-STEPS = 40
+STEPS = 30
 """Steps from the pattern; with more, z still grows where nothing was lost and no longer under attacks."""
 
 _POWERS = 8
@@ -39,14 +39,14 @@ def informed_moves(host: Host, signs: SignArray, size: float) -> FloatArray:
         Root mean square move of the vertices, in mesh units.
     """
     along = pattern_moves(host, signs, size)
-    agreement = Agreement.of(host.mark, signs, _change(host, along))
+    agreement = Agreement.of(host.mark, signs, change_of(host, along))
     if agreement is None:
         return along
     step = 1.0 / _stiffness(host, agreement, along)
     ahead, momentum = along, 1.0
     for _ in range(STEPS):
-        slope = agreement.gradient(host.mark.received + _change(host, ahead))
-        new = ahead + step * _per_area(host, _pulled(host, slope))
+        slope = agreement.gradient(host.mark.received + change_of(host, ahead))
+        new = ahead + step * _per_area(host, pulled(host, slope))
         new *= min(1.0, size / host.size(new))
         faster = (1.0 + math.sqrt(1.0 + 4.0 * momentum**2)) / 2.0
         ahead = new + (momentum - 1.0) / faster * (new - along)
@@ -61,14 +61,14 @@ def pattern_moves(host: Host, signs: SignArray, size: float) -> FloatArray:
     return along * (size / host.size(along))
 
 
-def _change(host: Host, along: FloatArray) -> FloatArray:
-    """By how much the AC coefficients of the image change: (blocks, 63)."""
+def change_of(host: Host, along: FloatArray) -> FloatArray:
+    """Return by how much moves (p,) change the AC coefficients, if the image is linear: (blocks, 63)."""
     image: FloatArray = (host.jacobian @ along).reshape(host.image.volumes.shape)
     return block_dct(image)[:, 1:]
 
 
-def _pulled(host: Host, slope: FloatArray) -> FloatArray:
-    """Slope (p,) along the moves, of the slope (blocks, 63) along the coefficients; adjoint of `_change`."""
+def pulled(host: Host, slope: FloatArray) -> FloatArray:
+    """Return the slope (p,) along moves of one (blocks, 63) along coefficients: adjoint of `change_of`."""
     full = np.zeros((len(slope), AC + 1))
     full[:, 1:] = slope
     image = inverse_block_dct(full, host.image.volumes.shape)
@@ -84,7 +84,7 @@ def _stiffness(host: Host, agreement: Agreement, start: FloatArray) -> float:
     """Largest curvature of the agreement in the metric of the area; a little below, as its bound is above."""
     moves, largest = start, 0.0
     for _ in range(_POWERS):
-        moves = _per_area(host, _pulled(host, agreement.curvature * _change(host, moves)))
+        moves = _per_area(host, pulled(host, agreement.curvature * change_of(host, moves)))
         largest = math.sqrt(float((host.area * moves**2).sum()))
         moves = moves / largest
     return largest

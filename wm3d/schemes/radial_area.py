@@ -12,7 +12,7 @@ from scipy import sparse
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, sewn, surface_area
+from wm3d.mesh import Mesh, face_areas, sewn, surface_area
 from wm3d.schemes.radial import MEAN, Moment, RadialScheme, Spread, kernels
 
 SPACING = 0.006
@@ -144,7 +144,7 @@ def area_centroid(mesh: Mesh) -> FloatArray:
     """Return the centroid (3,) of the surface."""
     origin = mesh.vertices[0]
     a, b, c = (mesh.vertices[mesh.faces[:, k]] - origin for k in range(3))
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    areas = face_areas(mesh.vertices, mesh.faces)
     centroid: FloatArray = origin + (areas[:, None] * (a + b + c)).sum(axis=0) / (3 * areas.sum())
     return centroid
 

@@ -1,24 +1,26 @@
 """The robust variant of the paper's idea: a block-DCT mark in what an affine-invariant scanner sees."""
 
-from dataclasses import replace
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
-from wm3d.arrays import FloatArray, SignArray
+from wm3d.arrays import FloatArray
 from wm3d.attacks import GaussianNoise, Similarity
 from wm3d.errors import NoSolidError, Wm3dError
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
+from wm3d.imagemarks.fine_signs import LAYERS, FineSigns
 from wm3d.imagemarks.shaped_dct import ShapedDct
 from wm3d.mesh import Mesh, SolidMoments, solid_moments, whole_surface
 from wm3d.mesh.solid import ENTRIES
+from wm3d.packing import packed, unpacked
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, recognized
 from wm3d.scanner.denoise import denoised, whitened_area
 from wm3d.scanner.registration import CLEAR, Landmarks, Surface, Warp, nearest, registered
 from wm3d.scanner.scan import MAX_GRID
 from wm3d.schemes.base import Scheme
-from wm3d.schemes.informed import informed_moves
+from wm3d.schemes.informed import change_of, informed_moves
+from wm3d.schemes.settled import settled_moves
 from wm3d.schemes.volume_host import Host, Layout, host_of
 from wm3d.stats import RademacherSum, key_signs
 
@@ -35,6 +37,12 @@ Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
 
 def _checked_landmarks(text: str) -> str:
     Landmarks.decode(text)
+    return text
+
+
+def _checked_steps(text: str) -> str:
+    if (unpacked(text, 1, "steps") < 0).any():
+        raise ValueError("steps must not be negative")
     return text
 
 
@@ -65,6 +73,8 @@ class Reference(BaseModel):
         Matrix and shift of the linear map that took the marked mesh into that frame.
     strength : float
         Amplitude of the mark that can be read back, in the unit of the frame.
+    steps : str
+        `FineSigns.step` of each block, in the cubed unit of the frame.
     ways : int
         In how many ways the solid can be laid on itself, or nearly; more than 1 for a symmetric one.
     """
@@ -80,7 +90,22 @@ class Reference(BaseModel):
     landmarks: Annotated[str, AfterValidator(_checked_landmarks)]
     home: Annotated[tuple[Entry, ...], Field(min_length=12, max_length=12), AfterValidator(_checked_home)]
     strength: Annotated[float, Field(gt=0)]
+    steps: Annotated[str, AfterValidator(_checked_steps)]
     ways: Annotated[int, Field(ge=1, le=MOST_WAYS)] = 1
+
+    @model_validator(mode="after")
+    def _one_step_a_block(self) -> Self:
+        blocks, steps = self.grid[0] * self.grid[1] // BLOCK**2, len(self.fine.step)
+        if steps != blocks:
+            raise ValueError(
+                f"a grid of {self.grid[0]}×{self.grid[1]} has {blocks} blocks, but {steps} steps are given"
+            )
+        return self
+
+    @property
+    def fine(self) -> FineSigns:
+        """Where fine signs lie."""
+        return FineSigns(unpacked(self.steps, 1, "steps"))
 
     def pose(self, frame: AffineFrame, surface: Surface) -> Warp:
         """Return the map that lays a surface in the frame as its moments say."""
@@ -100,7 +125,7 @@ class RangeDct(Scheme):
     the vertices nor a stretch nor a shear turns it; a cell holds the volume of the solid behind it and not
     the range of one ray; a surface crumpled by noise is smoothed before; vertices move along their normals,
     so that as many coefficients as can say their sign; amplitudes and detector follow the activity of each
-    block.
+    block; each coefficient says finer signs of the key as well, which rough attacks take away.
 
     Attributes
     ----------
@@ -109,12 +134,12 @@ class RangeDct(Scheme):
         from their mean: SNR = 40 dB − 20 dB lg α.
     blocks : int, optional
         8×8 blocks of the image, about, for meshes with vertices enough (`volume_host.FEWEST_VERTICES`); they
-        are laid so that cells are square in the middle. By default one for every 500 vertices, 100 to 300.
+        are laid so that cells are square in the middle. By default 0.63 √vertices, 100 to 300.
     reference : Reference, optional
         What `embed` finds out of the mesh; detection needs it.
     """
 
-    version: ClassVar[int] = 7
+    version: ClassVar[int] = 8
 
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
@@ -130,21 +155,21 @@ class RangeDct(Scheme):
 
     @property
     def capacity(self) -> int:
-        """63 signs for each 8×8 block of the grid."""
+        """63 signs of coefficients for each 8×8 block of the grid, and as many of each layer of fine ones."""
         columns, rows = self._known.grid
-        return (rows // BLOCK) * (columns // BLOCK) * AC
+        return (1 + LAYERS) * (rows // BLOCK) * (columns // BLOCK) * AC
 
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
         """Move the vertices along their normals so that the image says the key; see `Scheme.embed`."""
         host = host_of(mesh, self.blocks)
         if not host.mark.carries.any():
             raise Wm3dError(f"{mesh.name}: its volume image is flat, so no block can carry a mark.")
-        signs = key_signs(seed, host.mark.amplitude.size)
         surface = mesh.vertices[mesh.used]
         size = self.alpha / 100 * _rms(surface - surface.mean(axis=0))
-        marked = mesh.with_vertices(mesh.vertices + host.moves(informed_moves(host, signs, size)))
+        moves, fine = _moves(host, seed, size)
+        marked = mesh.with_vertices(mesh.vertices + moves)
 
-        reference = _reference(marked, host, signs)
+        reference = _reference(marked, host, seed, fine)
         if reference is None:
             laid = host.mark.amplitude.shape[0]
             raise Wm3dError(
@@ -194,7 +219,9 @@ class RangeDct(Scheme):
             found = registered(surface, landmarks, (pose, known.home_pose(surface)))
         layout = Layout(known.grid, known.hmin, known.height)
         image = layout.image(found.warp(surface.placed(mesh.vertices)), mesh)
-        return replace(ShapedDct.of(image.volumes, image.areas).evidence(known.strength), tries=tries)
+        mark = ShapedDct.of(image.volumes, image.areas)
+        expected = mark.evidence(known.strength).b, known.fine.expected(mark)
+        return RademacherSum(0.0, np.concatenate(expected), tries)
 
     @property
     def _known(self) -> Reference:
@@ -206,14 +233,24 @@ class RangeDct(Scheme):
         return self.reference
 
 
-def _reference(marked: Mesh, host: Host, signs: SignArray) -> Reference | None:
-    """Measure what detection needs on the marked mesh; None if even there the mark is not found."""
+def _moves(host: Host, seed: int, size: float) -> tuple[FloatArray, FineSigns]:
+    """Return moves (n, 3) of a root mean square size that say a key, and where its fine signs lie."""
+    signs = key_signs(seed, host.mark.amplitude.size)
+    along = informed_moves(host, signs, size)
+    fine = FineSigns.beside(host.mark, host.mark.strength_of(change_of(host, along), signs))
+    fine_signs = key_signs(seed, signs.size + fine.capacity)[signs.size :]
+    return host.moves(settled_moves(host, fine, fine_signs, along, size)), fine
+
+
+def _reference(marked: Mesh, host: Host, seed: int, fine: FineSigns) -> Reference | None:
+    """Measure what detection needs on the marked mesh; None if there the plain signs are not found."""
     frame, layout = host.frame, host.layout
-    marked = host.whole.with_vertices(marked.vertices)
-    seen = layout.image(frame.posed(marked), marked)
+    signs = key_signs(seed, host.mark.amplitude.size)
+    seen = host.image_of(marked.vertices)
     survives = host.mark.strength_of(block_dct(seen.volumes - host.image.volumes)[:, 1:], signs)
     if survives <= 0 or not ShapedDct.of(seen.volumes, seen.areas).evidence(survives).score(signs).detected():
         return None
+    marked = host.whole.with_vertices(marked.vertices)
     found = solid_moments(marked)
     surface = Surface.of(marked)
     pose = Warp.linear(surface.size * frame.matrix, frame.matrix @ (surface.middle - frame.centroid))
@@ -227,6 +264,7 @@ def _reference(marked: Mesh, host: Host, signs: SignArray) -> Reference | None:
         landmarks=Landmarks.of(surface, pose).encode(),
         home=tuple(np.r_[frame.matrix.ravel(), -frame.matrix @ frame.centroid].tolist()),
         strength=survives,
+        steps=packed(fine.step),
         ways=host.ways,
     )
 

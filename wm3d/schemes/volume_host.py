@@ -1,7 +1,6 @@
 """The original as the keys of `RangeDct` find it: its frame, its cylinder, its volume image, its moves."""
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -10,9 +9,9 @@ from scipy.sparse import csc_array
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
-from wm3d.imagemarks.blocks import BLOCK
+from wm3d.imagemarks.blocks import BLOCK, block_dct
 from wm3d.imagemarks.shaped_dct import ShapedDct
-from wm3d.mesh import Mesh, orientation, places, vertex_normals, whole_surface
+from wm3d.mesh import Mesh, face_areas, orientation, places, vertex_normals, whole_surface
 from wm3d.scanner import kernels
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, principal_frame, ways
 from wm3d.scanner.volume import VolumeImage, volume_image, volume_jacobian
@@ -24,8 +23,8 @@ AXIS = 0.25
 FEWEST_VERTICES = 1.5
 """Vertices a cell of the image, below which cells are made larger: what is finer than the mesh is lost."""
 
-VERTICES = 500
-"""Vertices of the mesh for each block, by default: finer meshes carry finer cells, and more signs."""
+BLOCKS = 0.63
+"""Blocks laid by default, over the square root of the number of vertices: finer meshes carry finer cells."""
 
 FEWEST_BLOCKS, MOST_BLOCKS = 100, 300
 """Bounds of the default: fewer blocks carry too little, and of more noise of a given size leaves less."""
@@ -41,11 +40,9 @@ class Layout(NamedTuple):
     @classmethod
     def around(cls, posed: FloatArray, mesh: Mesh, blocks: float) -> "Layout":
         """Lay about so many blocks around a solid, of cells that are square at its mean distance."""
-        a, b, c = (posed[mesh.faces[:, k]] for k in range(3))
-        area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        square = sum((corner[:, 1:] ** 2).sum(axis=1) for corner in (a, b, c)) / 3
-        radius = math.sqrt(float(area @ square / area.sum()))
-        heights = np.stack([a[:, 0], b[:, 0], c[:, 0]])  # of vertices that a face uses
+        area, square = face_areas(posed, mesh.faces), (posed[:, 1:] ** 2).sum(axis=1)
+        radius = math.sqrt(float(area @ square[mesh.faces].sum(axis=1) / (3 * area.sum())))
+        heights = posed[mesh.used, 0]
         hmin, height = float(heights.min()), float(np.ptp(heights))
         up = max(1, round(math.sqrt(blocks * height / (2 * math.pi * radius))))
         around = max(1, round(blocks / up))
@@ -101,6 +98,14 @@ class Host(NamedTuple):
         """Return the root mean square move of the vertices that a face uses: (p,) along the directions."""
         return math.sqrt(float((self.share * along**2).sum()))
 
+    def coefficients(self, along: FloatArray) -> FloatArray:
+        """Return the AC coefficients of the image once the places have moved: (blocks, 63)."""
+        return block_dct(self.image_of(self.whole.vertices + self.moves(along)).volumes)[:, 1:]
+
+    def image_of(self, vertices: FloatArray) -> VolumeImage:
+        """Return the volume image of the original with its (n, 3) vertices elsewhere."""
+        return self.layout.image(self.frame.posed(self.whole.with_vertices(vertices)), self.whole)
+
     def moves(self, along: FloatArray) -> FloatArray:
         """Return what every vertex moves by, for moves (p,) along the directions: (n, 3), in mesh units."""
         moves: FloatArray = (along[:, None] * self.directions)[self.place]
@@ -122,21 +127,18 @@ def host_of(mesh: Mesh, blocks: int | None) -> Host:
     directions = _directions(posed, whole)[first]
     places_posed, faces = posed[first], place[whole.faces]
     turned = kernels.to_frame(directions, np.zeros(3), frame.matrix)
-    with ThreadPoolExecutor(1) as beside:  # neither kernel holds the GIL
-        jacobian = beside.submit(volume_jacobian, places_posed, faces, turned, *layout, orientation(whole))
-        image = layout.image(posed, whole)
-        mark = ShapedDct.of(image.volumes, image.areas)
+    image = layout.image(posed, whole)
     return Host(
         whole=whole,
         frame=frame,
         ways=count,
         layout=layout,
         image=image,
-        mark=mark,
+        mark=ShapedDct.of(image.volumes, image.areas),
         posed=places_posed,
         place=place,
         directions=directions,
-        jacobian=jacobian.result(),
+        jacobian=volume_jacobian(places_posed, faces, turned, *layout, orientation(whole)),
         area=_area_around(places_posed, faces),
         share=vertices * (directions**2).sum(axis=1) / len(counted),
     )
@@ -144,7 +146,7 @@ def host_of(mesh: Mesh, blocks: int | None) -> Host:
 
 def laid(blocks: int | None, vertices: int) -> float:
     """Return how many blocks to lay around a mesh of so many vertices if so many are asked for."""
-    wanted = blocks or min(max(vertices / VERTICES, FEWEST_BLOCKS), MOST_BLOCKS)
+    wanted = blocks or min(max(BLOCKS * math.sqrt(vertices), FEWEST_BLOCKS), MOST_BLOCKS)
     return min(wanted, vertices / (FEWEST_VERTICES * BLOCK**2))
 
 
@@ -168,7 +170,5 @@ def _directions(posed: FloatArray, mesh: Mesh) -> FloatArray:
 
 
 def _area_around(posed: FloatArray, faces: IntArray) -> FloatArray:
-    a, b, c = (posed[faces[:, k]] for k in range(3))
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6
-    around = np.bincount(faces.ravel(), np.repeat(area, 3), len(posed))
+    around = np.bincount(faces.ravel(), np.repeat(face_areas(posed, faces) / 3, 3), len(posed))
     return np.asarray(around, dtype=float)

@@ -1,11 +1,11 @@
 """Landmarks: points of a marked surface, with normals, that a key holds."""
 
-import base64
 from dataclasses import dataclass
 
 import numpy as np
 
 from wm3d.arrays import FloatArray
+from wm3d.packing import packed, unpacked
 from wm3d.scanner.registration.surface import POINTS, Surface
 from wm3d.scanner.registration.warp import Warp
 
@@ -15,8 +15,6 @@ LANDMARKS = 500
 FLAT = 0.9
 """Length of a mean normal from which a place makes a landmark; it is shorter on edges and thin parts. Of a
 rough surface the flatter half of the places do."""
-
-_STORED = np.dtype("<f4")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +38,7 @@ class Landmarks:
 
     def encode(self) -> str:
         """Return points and normals in single precision, row by row, as base64."""
-        rows = np.column_stack([self.points, self.normals]).astype(_STORED)
-        return base64.b64encode(rows.tobytes()).decode()
+        return packed(np.column_stack([self.points, self.normals]))
 
     @classmethod
     def decode(cls, text: str) -> "Landmarks":
@@ -52,13 +49,5 @@ class Landmarks:
         ValueError
             If the text is not base64 or no rows of six finite numbers.
         """
-        try:
-            stored = base64.b64decode(text, validate=True)
-        except ValueError as error:
-            raise ValueError(f"landmarks must be base64 ({error})") from None
-        if len(stored) % (6 * _STORED.itemsize):
-            raise ValueError(f"landmarks must be rows of six numbers, and {len(stored)} bytes are not")
-        rows = np.frombuffer(stored, _STORED).reshape(-1, 6).astype(float)
-        if not np.isfinite(rows).all():
-            raise ValueError("landmarks must be finite numbers")
+        rows = unpacked(text, 6, "landmarks")
         return cls(rows[:, :3], rows[:, 3:])

@@ -1,12 +1,17 @@
 """The volume image: what a cylindrical scanner reads that sees through the model to its axis."""
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array, csr_array, vstack
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.scanner.volume import kernels
+
+T = TypeVar("T")
 
 SAMPLES = 1.5
 """Parts of a face along its longer side, per cell of the image that it spans; more for coarse meshes gain
@@ -62,7 +67,9 @@ def volume_image(
     `kernels.SLIVER`), and each is integrated by three points.
     """
     columns, rows = grid
-    volumes, areas = kernels.deposit(posed, faces, rows, columns, hmin, height, SAMPLES)
+    cylinder = rows, columns, hmin, height, SAMPLES
+    halves = _by_halves(lambda half: kernels.deposit(posed, half, *cylinder), faces)
+    volumes, areas = (one + other for one, other in zip(*halves, strict=True))
     return VolumeImage(-outward * volumes, areas)  # minus: s1, s2, s3 are left-handed
 
 
@@ -93,12 +100,33 @@ def volume_jacobian(
         Of the cells, in the order of `VolumeImage.volumes`, by the vertices.
     """
     columns, rows = grid
-    cells, vertices, values = kernels.differentiate(
-        posed, faces, directions, rows, columns, hmin, height, JACOBIAN_SAMPLES
-    )
+    cylinder = rows, columns, hmin, height, JACOBIAN_SAMPLES
+    halves = _by_halves(lambda half: kernels.differentiate(posed, half, directions, *cylinder), faces)
+    cells, vertices, values = (np.concatenate(both) for both in zip(*halves, strict=True))
     n, width = len(posed), rows * columns
-    by_vertex = csr_array(kernels.gathered(cells, vertices, -outward * values, n, width), shape=(n, width))
-    return by_vertex.T
+    values *= -outward
+    by_vertex = _by_halves(
+        lambda of: _rows(kernels.gathered(cells, vertices, values, of[0], of[-1] + 1, width), width),
+        np.arange(n),
+    )
+    jacobian: csc_array = vstack(by_vertex, format="csr").T
+    return jacobian
+
+
+def _rows(csr: tuple[FloatArray, IntArray, IntArray], width: int) -> csr_array:
+    data, indices, starts = csr
+    if starts[-1] <= np.iinfo(indices.dtype).max:  # else SciPy would make the indices as wide: slower
+        starts = starts.astype(indices.dtype)
+    return csr_array((data, indices, starts), shape=(len(starts) - 1, width))
+
+
+def _by_halves(kernel: Callable[[IntArray], T], items: IntArray) -> tuple[T, T]:
+    """Return what a kernel makes of each half of the faces, or other items; it must not hold the GIL."""
+    one, other = np.array_split(items, 2)
+    with ThreadPoolExecutor(1) as beside:
+        first = beside.submit(kernel, one)
+        second = kernel(other)
+        return first.result(), second
 
 
 def volume_image_reference(

@@ -1,6 +1,6 @@
 """Numba kernels of the volume image and of its slope: faces in parts, each dealt to the four cells around it.
 
-Sums run in face order on one thread, so a result never depends on the machine's cores. The plain numpy twin
+Each sums in face order on one thread, so a result never depends on the machine's cores. The plain numpy twin
 of `deposit` is `wm3d.scanner.volume.volume_image_reference`; its slope is the oracle of `differentiate`.
 """
 
@@ -108,19 +108,30 @@ def differentiate(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def gathered(
-    cells: NDArray[np.int32], vertices: NDArray[np.int32], values: FloatArray, n: int, width: int
+    cells: NDArray[np.int32],
+    vertices: NDArray[np.int32],
+    values: FloatArray,
+    first: int,
+    stop: int,
+    width: int,
 ) -> tuple[FloatArray, NDArray[np.int32], IntArray]:
-    """Sort what `differentiate` returns by vertex, and add up what one does to a cell: CSR, (n, width)."""
+    """Sort what `differentiate` returns by vertex, and add up what one does to a cell.
+
+    Of the vertices from `first` to `stop`: CSR, (stop − first, width).
+    """
+    n = stop - first
     ends = np.zeros(n + 1, np.int64)
     for vertex in vertices:
-        ends[vertex + 1] += 1
+        if first <= vertex < stop:
+            ends[vertex - first + 1] += 1
     ends = np.cumsum(ends)
-    cursor, order = ends[:-1].copy(), np.empty(len(vertices), np.int64)
+    cursor, order = ends[:-1].copy(), np.empty(ends[-1], np.int64)
     for i in range(len(vertices)):
-        order[cursor[vertices[i]]] = i
-        cursor[vertices[i]] += 1
+        if first <= vertices[i] < stop:
+            order[cursor[vertices[i] - first]] = i
+            cursor[vertices[i] - first] += 1
 
-    data, indices, starts = np.empty(len(values)), np.empty(len(values), np.int32), np.zeros(n + 1, np.int64)
+    data, indices, starts = np.empty(ends[-1]), np.empty(ends[-1], np.int32), np.zeros(n + 1, np.int64)
     seen, place = np.full(width, -1), np.zeros(width, np.int64)
     filled = 0
     for vertex in range(n):

@@ -6,7 +6,7 @@ from trimesh.registration import procrustes
 from trimesh.transformations import transform_points
 
 from wm3d.arrays import FloatArray
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, face_areas
 from wm3d.metrics.surface.nearest import Nearest, Surface
 
 ITERATIONS = 30
@@ -93,7 +93,7 @@ def _principal(original: Mesh, suspect: Mesh, mine: FloatArray, theirs: FloatArr
 def _area_frame(vertices: FloatArray, mesh: Mesh) -> tuple[FloatArray, FloatArray, float]:
     """Return centroid, right-handed principal axes as columns, and root mean square radius over the area."""
     corners = vertices[mesh.faces]
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = face_areas(vertices, mesh.faces)
     middles = corners.mean(axis=1)
     centroid = areas @ middles / areas.sum()
     arms = middles - centroid
