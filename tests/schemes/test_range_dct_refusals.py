@@ -5,7 +5,9 @@ import pytest
 from shapes import blob, box, fine_box, icosphere, inside_out, lathe, uv_cylinder
 
 from wm3d.errors import Wm3dError
+from wm3d.imagemarks.fine_signs import LAYERS
 from wm3d.mesh import Mesh
+from wm3d.packing import packed
 from wm3d.schemes import SCHEMES, RangeDct
 
 SCHEME = SCHEMES.build("range-dct", {})
@@ -86,6 +88,7 @@ GOOD = {
     "landmarks": "",
     "home": (1,) * 12,
     "strength": 0.01,
+    "steps": packed(np.full(96, 1e-3)),
 }
 
 
@@ -108,13 +111,16 @@ GOOD = {
             "home.11 = -1e+300: input should be greater than or equal to",
         ),
         ({"reference": GOOD | {"home": (1e-300,) * 12}}, "must not shrink a mesh by more than 1e+60"),
-        ({"reference": GOOD | {"landmarks": "AAAA"}}, "rows of six numbers, and 3 bytes are not"),
+        ({"reference": GOOD | {"landmarks": "AAAA"}}, "rows of 6 numbers, and 3 bytes are not"),
         ({"reference": GOOD | {"landmarks": "é"}}, "landmarks must be base64"),
+        ({"reference": GOOD | {"steps": packed(np.ones(95))}}, "grid of 96×64 has 96 blocks, but 95 steps"),
+        ({"reference": GOOD | {"steps": packed(-np.ones(96))}}, "steps must not be negative"),
+        ({"reference": GOOD | {"steps": packed(np.full(96, np.inf))}}, "steps must be finite numbers"),
         ({"reference": GOOD | {"pose": "pca"}}, "pose"),
     ],
 )
 def test_wrong_parameters_are_named_in_one_sentence(parameters, sentence):
-    assert SCHEMES.build("range-dct", {"reference": GOOD}).capacity == 96 * 63
+    assert SCHEMES.build("range-dct", {"reference": GOOD}).capacity == (1 + LAYERS) * 96 * 63
     with pytest.raises(Wm3dError) as refusal:
         SCHEMES.build("range-dct", parameters)
     assert sentence in str(refusal.value)
