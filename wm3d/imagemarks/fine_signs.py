@@ -20,6 +20,10 @@ from wm3d.imagemarks.shaped_dct import ShapedDct
 LAYERS = 3
 """Fine signs of a coefficient; each layer has a fourth of the step of the one before."""
 
+STEP = 0.75
+"""Step of the first layer, over the root mean square amplitude of the mark in its block: larger ones outlive
+more, and cost the plain signs more."""
+
 _RATIO = 4.0  # a quarter of a step is a whole one of the next layer, which so knows nothing of it
 
 LEAST_CONCENTRATION, CLEARLY = 0.05, 4.0
@@ -43,9 +47,9 @@ class FineSigns:
 
     @classmethod
     def beside(cls, mark: ShapedDct, strength: float) -> "FineSigns":
-        """Make steps as large as a mark of some strength is in each block: its root mean square amplitude."""
+        """Make steps in proportion to a mark of some strength, block by block."""
         amplitude = strength * mark.response
-        step = np.sqrt((amplitude**2).mean(axis=1, keepdims=True))
+        step = STEP * np.sqrt((amplitude**2).mean(axis=1, keepdims=True))
         return cls(step.astype(np.float32).astype(float))  # as a key file holds them
 
     @property
