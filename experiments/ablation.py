@@ -39,6 +39,7 @@ ATTACKED: list[tuple[str, dict[str, Any]]] = [
     ("crop", {"percent": 10}),
     ("crop", {"percent": 30}),
 ]
+VERSION = range_dct.RangeDct.version
 TABLE = Path(__file__).resolve().parent.parent / "results" / "range_dct" / "ablation.csv"
 
 
@@ -73,6 +74,13 @@ def first_surface(
     return VolumeImage(0.5 * np.sign(distance) * distance**2 * cell, areas)
 
 
+def unsettled(
+    _host: volume_host.Host, _fine: Any, _signs: Any, along: FloatArray, _size: float
+) -> FloatArray:
+    """Return the moves as they are."""
+    return along
+
+
 def frequency_scale(received: FloatArray) -> FloatArray:
     """Return a scale for each frequency alone, the same in all blocks, as the paper's detector has it."""
     return np.broadcast_to(np.abs(received).mean(axis=0), received.shape).copy()
@@ -105,6 +113,7 @@ WITHOUT: dict[str, list[Any]] = {
     "block activity: scale by frequency": [patch.object(shaped_dct, "activity_scale", frequency_scale)],
     "shaping: all amplitudes equal": [patch.object(shaped_dct, "SHAPING", 0.0)],
     "cells as fine as the mesh: 100 blocks": [patch.object(volume_host, "MOST_BLOCKS", 100)],
+    "fine signs": [patch.object(range_dct, "settled_moves", unsettled)],
     "informed embedding: the pattern as it is": [patch.object(informed, "STEPS", 0)],
     "scale of the host: that of what is received": [patch.object(shaped_dct, "_UNMIXINGS", 0)],
     "expected signs and scale of the host: linear detector": [
@@ -147,9 +156,11 @@ def main(keys: int) -> None:
                 z = measured(mesh, alpha, attacks, keys, posed_by_vertices="vertex-PCA" in ingredient)
             for attack, found in zip(attacks, z, strict=True):
                 mean, error = found.mean(), found.std(ddof=1) / math.sqrt(keys)
-                lines.append((name, ingredient, attack.label(), keys, round(mean, 2), round(error, 2)))
+                lines.append(
+                    (name, ingredient, attack.label(), keys, round(mean, 2), round(error, 2), VERSION)
+                )
                 print(f"{name:18s}{ingredient:42s}{attack.label():36s}{mean:7.1f} ± {error:.1f}", flush=True)
-    columns = ["mesh", "without", "attack", "keys", "z_mean", "standard_error"]
+    columns = ["mesh", "without", "attack", "keys", "z_mean", "standard_error", "version"]
     write_whole(TABLE, pd.DataFrame(lines, columns=columns).to_csv(index=False).encode())
 
 

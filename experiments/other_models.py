@@ -61,6 +61,7 @@ def models(folder: Path) -> Iterator[Mesh]:
 def row(mesh: Mesh, seed: int) -> dict[str, Any]:
     """Return z after each attack, NaN where the mesh cannot be read; or why the mesh is refused."""
     line: dict[str, Any] = {"model": mesh.name, "vertices": len(mesh.vertices), "faces": len(mesh.faces)}
+    line["version"] = RangeDct.version
     try:
         marked, scheme = RangeDct().embed(mesh, seed)
     except Wm3dError as error:
@@ -90,7 +91,7 @@ def main() -> None:
         print(f"{mesh.name}: {lines[-1].get('refused', lines[-1].get('clean'))}", flush=True)
     if not lines:
         parser.error(f"{options.folder} holds no mesh")
-    columns = ["model", "vertices", "faces", "refused", *(attack.label() for attack in ATTACKED)]
+    columns = ["model", "vertices", "faces", "refused", *(attack.label() for attack in ATTACKED), "version"]
     table = pd.DataFrame(lines).reindex(columns=columns)
     write_whole(options.out, table.to_csv(index=False, float_format="%.2f").encode())
 

@@ -19,6 +19,7 @@ from wm3d.bench.figures import save
 from wm3d.bench.heatmap import heatmap_figure
 from wm3d.bench.store import RunDirectory
 from wm3d.mesh import datasets, write_whole
+from wm3d.schemes import SCHEMES, RangeDct
 from wm3d.stats import DEFAULT_PF
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -69,13 +70,13 @@ def write_results(runs: Path) -> None:
         table = runs / name / "tables" / "detection.csv"
         if table.exists():
             detection = pd.read_csv(table)
-            tables[name] = detection[[column for column in KEPT if column in detection]]
+            tables[name] = versioned(detection[[column for column in KEPT if column in detection]])
     if (runs / "distortion").exists():
-        tables["distortion"] = distortion(runs / "distortion")
+        tables["distortion"] = versioned(distortion(runs / "distortion"))
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
     if (runs / "nulls").exists():
-        tables["nulls"] = pd.read_csv(runs / "nulls" / "tables" / "nulls.csv")
+        tables["nulls"] = versioned(pd.read_csv(runs / "nulls" / "tables" / "nulls.csv"))
         tables["random_keys"] = counted(pd.read_csv(runs / "nulls" / "tables" / "false_alarms.csv"))
     for name in DRAWN:
         shown = drawn(tables, name)
@@ -85,6 +86,11 @@ def write_results(runs: Path) -> None:
     tables["beside_song2002"] = ratios(tables)
     RESULTS.write_tables(tables)
     write_whole(RESULTS.path / "README.md", page(tables).encode())
+
+
+def versioned(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table with the version that the scheme of each line has now, when it was run."""
+    return table.assign(version=[SCHEMES[label.split()[0]].version for label in table["scheme"]])
 
 
 def drawn(tables: dict[str, pd.DataFrame], name: str) -> pd.DataFrame:
@@ -117,7 +123,7 @@ def counted(curve: pd.DataFrame) -> pd.DataFrame:
 def page(tables: dict[str, pd.DataFrame]) -> str:
     """Return the page that goes with the tables."""
     environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    ablation = pd.read_csv(RESULTS.path / "ablation.csv")
+    ablation, others = pd.read_csv(RESULTS.path / "ablation.csv"), pd.read_csv(OTHER_MODELS)
     paper = tables["paper_attacks"]
     return (
         environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
@@ -125,6 +131,15 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             # of nulls, those of one key; wrong keys are scored on the same meshes
             trials={name: int(tables[name]["trials"].min()) for name in CONFIGS if name in tables},
             paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
+            version={
+                name: int(
+                    tables[name].loc[tables[name]["scheme"].str.startswith("range-dct"), "version"].min()
+                )
+                for name in CONFIGS
+                if name in tables
+            }
+            | {"ablation": int(ablation["version"].min()), "other_models": int(others["version"].min())},
+            current=RangeDct.version,
             spread=paper.loc[paper["scheme"].str.startswith("range-dct"), "z_std"].max(),
             ratios=tables["beside_song2002"].to_dict("records"),
             other=pivot(drawn(tables, "other_attacks")),
@@ -134,7 +149,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             weakest=weakest(tables["distortion"]) if "distortion" in tables else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
             counted=tables["random_keys"].to_dict("records") if "random_keys" in tables else [],
-            others=pd.read_csv(OTHER_MODELS).to_dict("records") if OTHER_MODELS.exists() else [],
+            others=others.to_dict("records"),
             ablation=ablation_table(ablation),
             ablation_keys=int(ablation["keys"].min()),
         )

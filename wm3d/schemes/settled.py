@@ -2,8 +2,8 @@
 
 The image is all but linear in the moves, so what brings many coefficients to their places at once, by moves
 as small as can be, is a damped least-squares problem (LSQR; Paige and Saunders, ACM TOMS 8(1), 1982). A few
-rounds of it, each from the image as it has become, leave most coefficients within a hundredth of a step. Some
-resist: their moves would be large, and they are left where they are.
+rounds of it, each from the image as it has become, leave most coefficients within some hundredths of a step.
+Others resist: their moves would be large, and they are left where they are.
 """
 
 import numpy as np
