@@ -2,8 +2,9 @@
 
     WM3D_DATA=folder-with-the-meshes python experiments/range_dct.py [--trials N] [--report-only]
 
-What an earlier call has run is kept; more trials add to it. Tables whose runs are gone stay as they are. The
-ablation is `experiments/ablation.py`, other models are those of
+What an earlier call has run is kept; more trials add to it. Of each line of a table that of the newest version
+of its scheme stands, and of these that of most keys, whether its run is at hand or not. The ablation is
+`experiments/ablation.py`, other models are those of
 `experiments/other_models.py --out results/range_dct/other_models.csv`.
 """
 
@@ -70,9 +71,10 @@ def write_results(runs: Path) -> None:
         table = runs / name / "tables" / "detection.csv"
         if table.exists():
             detection = pd.read_csv(table)
-            tables[name] = versioned(detection[[column for column in KEPT if column in detection]])
+            lines = versioned(detection[[column for column in KEPT if column in detection]])
+            tables[name] = best(lines, tables.get(name))
     if (runs / "distortion").exists():
-        tables["distortion"] = versioned(distortion(runs / "distortion"))
+        tables["distortion"] = best(versioned(distortion(runs / "distortion")), tables.get("distortion"))
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
     if (runs / "nulls").exists():
@@ -91,6 +93,14 @@ def write_results(runs: Path) -> None:
 def versioned(table: pd.DataFrame) -> pd.DataFrame:
     """Return a table with the version that the scheme of each line has now, when it was run."""
     return table.assign(version=[SCHEMES[label.split()[0]].version for label in table["scheme"]])
+
+
+def best(new: pd.DataFrame, old: pd.DataFrame | None) -> pd.DataFrame:
+    """Return, of lines of the same mesh, scheme and attack, the newest version with the most keys."""
+    lines = new if old is None else pd.concat([new, old], ignore_index=True)
+    names = ["mesh", "scheme", "attack"]
+    ranked = lines.sort_values(["version", "trials"], ascending=False, kind="stable")
+    return ranked.drop_duplicates(names).sort_index().reset_index(drop=True)
 
 
 def drawn(tables: dict[str, pd.DataFrame], name: str) -> pd.DataFrame:
@@ -129,18 +139,13 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
         environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
         .render(
             # of nulls, those of one key; wrong keys are scored on the same meshes
-            trials={name: int(tables[name]["trials"].min()) for name in CONFIGS if name in tables},
-            paper=pivot(paper[paper["scheme"].str.startswith("range-dct")]),
-            version={
-                name: int(
-                    tables[name].loc[tables[name]["scheme"].str.startswith("range-dct"), "version"].min()
-                )
-                for name in CONFIGS
-                if name in tables
-            }
+            trials={name: int(robust(tables[name])["trials"].min()) for name in CONFIGS if name in tables},
+            paper_trials=int(paper.loc[paper["scheme"].str.startswith("song2002"), "trials"].min()),
+            paper=pivot(robust(paper)),
+            version={name: int(robust(tables[name])["version"].min()) for name in CONFIGS if name in tables}
             | {"ablation": int(ablation["version"].min()), "other_models": int(others["version"].min())},
             current=RangeDct.version,
-            spread=paper.loc[paper["scheme"].str.startswith("range-dct"), "z_std"].max(),
+            spread=robust(paper)["z_std"].max(),
             ratios=tables["beside_song2002"].to_dict("records"),
             other=pivot(drawn(tables, "other_attacks")),
             broken=pivot(drawn(tables, "broken_meshes")),
@@ -156,6 +161,11 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
         .rstrip()
         + "\n"
     )
+
+
+def robust(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the lines of range-dct."""
+    return table[table["scheme"].str.startswith("range-dct")]
 
 
 def pivot(detection: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
