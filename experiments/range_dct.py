@@ -2,14 +2,16 @@
 
     WM3D_DATA=folder-with-the-meshes python experiments/range_dct.py [--trials N] [--report-only]
 
-What an earlier call has run is kept; more trials add to it. Of each line of a table that of the newest version
-of its scheme stands, and of these that of most keys, whether its run is at hand or not. The ablation is
-`experiments/ablation.py`, other models are those of
+What an earlier call has run is kept; more trials add to it. Of each line of a table that of the newest
+version of its scheme stands, and of these that of most keys, whether its run is at hand or not. The ablation
+is `experiments/ablation.py`, other models are those of
 `experiments/other_models.py --out results/range_dct/other_models.csv`.
 """
 
 import argparse
+import math
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from jinja2 import Environment, StrictUndefined
@@ -122,6 +124,17 @@ def ratios(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
     return both[columns].assign(d_prime_ratio=ratio).reset_index()
 
 
+def least_ratio(tables: dict[str, pd.DataFrame]) -> dict[str, Any]:
+    """Return the least ratio of d' where song2002 has any, with a 95 % interval (of the logarithm)."""
+    both = tables["beside_song2002"]
+    line = both[both["d_prime_song2002"] >= 1].nsmallest(1, "d_prime_ratio").to_dict("records")[0]
+    paper = tables["paper_attacks"]
+    here = paper[(paper["mesh"] == line["mesh"]) & (paper["attack"] == line["attack"])]
+    half = (here["d_prime_high"] - here["d_prime_low"]) / 2 / here["d_prime"]
+    factor = math.exp(math.hypot(*half))
+    return line | {"low": line["d_prime_ratio"] / factor, "high": line["d_prime_ratio"] * factor}
+
+
 def counted(curve: pd.DataFrame) -> pd.DataFrame:
     """Return the random keys that reached the z of `COUNTED_AT`, beside the exact probability."""
     lines = curve[curve["z"].round(3).isin(COUNTED_AT)].copy()
@@ -147,6 +160,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             current=RangeDct.version,
             spread=robust(paper)["z_std"].max(),
             ratios=tables["beside_song2002"].to_dict("records"),
+            least=least_ratio(tables),
             other=pivot(drawn(tables, "other_attacks")),
             broken=pivot(drawn(tables, "broken_meshes")),
             blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
