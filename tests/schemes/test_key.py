@@ -93,6 +93,7 @@ def test_secret_is_not_shown_where_a_key_is_printed():
         ({**GOOD, "scheme": {"name": "song2002", "alpha": float("inf")}}, "alpha = inf: input should be"),
         ({**GOOD, "scheme": {"name": "song2002", "grid": [40, 40]}}, "do not fit a grid of 40 rows"),
         ({**GOOD, "scheme": {"name": "song2002", "grid": None}}, "grid = None: "),
+        ({**GOOD, "version": 0, "scheme": {"name": "song2002", "aplha": 1}}, "try the wm3d that wrote it."),
         ({**GOOD, "scheme": {"name": "song2002", "detector": {"name": "best"}}}, "best"),
     ],
 )  # fmt: skip

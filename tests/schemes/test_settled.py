@@ -6,6 +6,7 @@ from plain import plain_z
 from shapes import blob
 
 from wm3d.attacks import RoundTrip, Similarity, Simplify
+from wm3d.errors import Wm3dError
 from wm3d.imagemarks.fine_signs import FineSigns
 from wm3d.schemes import RangeDct
 from wm3d.schemes.informed import change_of, informed_moves
@@ -45,5 +46,5 @@ def test_fine_signs_outlive_what_changes_the_surface_little(embedded):
 
 def test_a_mark_too_faint_for_its_plain_signs_is_refused_though_fine_ones_could_be_read():
     # 120 dB: what the plain signs of a coefficient say drowns in the host
-    with pytest.raises(Exception, match="the mark cannot be read even from the marked mesh"):
+    with pytest.raises(Wm3dError, match="the mark cannot be read even from the marked mesh"):
         RangeDct(alpha=1e-4).embed(MESH, 1)

@@ -3,7 +3,7 @@
 The sign of a coefficient survives rough attacks, and that is all that it can say. Where an attack changes
 coefficients by less than the mark did, they can say more: quantization index modulation (Chen and Wornell,
 IEEE Transactions on Information Theory 47(4), 2001) moves each to the nearest of those values, one every step
-Δ, that say the signs of its layers. That costs moves of Δ/√12 at most, whatever the host is.
+Δ, that say the signs of its layers. That costs moves of about Δ/√12, however strong the host is.
 """
 
 from dataclasses import dataclass
@@ -26,8 +26,8 @@ more, and cost the plain signs more."""
 
 _RATIO = 4.0  # a quarter of a step is a whole one of the next layer, which so knows nothing of it
 
-LEAST_CONCENTRATION, CLEARLY = 0.05, 4.0
-"""Least concentration of a layer that is read, and by how many of its standard deviations it must be above
+LEAST_MEAN, CLEARLY = 0.05, 4.0
+"""Least mean of −cos 2θ of a layer that is read, and by how many of its standard deviations it must be above
 zero: what an attack has taken would add noise to what is left."""
 
 _SHARPEST = 500.0
@@ -107,7 +107,7 @@ def _kappa(doubled: FloatArray) -> float:
     if doubled.size == 0:
         return 0.0
     mean = float(doubled.mean())
-    if mean < max(LEAST_CONCENTRATION, CLEARLY / np.sqrt(2 * doubled.size)):
+    if mean < max(LEAST_MEAN, CLEARLY / np.sqrt(2 * doubled.size)):
         return 0.0
 
     def excess(kappa: float) -> float:

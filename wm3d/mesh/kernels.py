@@ -80,7 +80,7 @@ def surface_area(vertices: FloatArray, faces: IntArray) -> float:
     return total / 2.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True)
 def face_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Area of each face: (m,)."""
     areas = np.empty(faces.shape[0])

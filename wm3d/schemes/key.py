@@ -108,4 +108,17 @@ class Key:
         version = content.get("version")
         if version is not None and (not isinstance(version, int) or isinstance(version, bool)):
             raise Wm3dError(f'is not a complete key: "version" is {shown(version)}, not an integer.')
-        return cls(SCHEMES.build(scheme["name"], scheme), seed, version)
+        try:
+            return cls(SCHEMES.build(scheme["name"], scheme), seed, version)
+        except Wm3dError as error:
+            raise Wm3dError(f"{error}{_written_for(scheme['name'], version)}") from None
+
+
+def _written_for(name: str, version: int | None) -> str:
+    """Return the sentence that a key of another version of its scheme calls for, empty for others."""
+    now = SCHEMES[name].version if name in SCHEMES else version
+    if version in (None, now):
+        return ""
+    return (
+        f" The key is of version {version} of its scheme, which is at {now} now; try the wm3d that wrote it."
+    )

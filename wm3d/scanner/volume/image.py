@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
+from numba import config
 from scipy.sparse import csc_array, csr_array, vstack
 
 from wm3d.arrays import FloatArray, IntArray
@@ -121,12 +122,13 @@ def _rows(csr: tuple[FloatArray, IntArray, IntArray], width: int) -> csr_array:
 
 
 def _by_halves(kernel: Callable[[IntArray], T], items: IntArray) -> tuple[T, T]:
-    """Return what a kernel makes of each half of the faces, or other items; it must not hold the GIL."""
-    one, other = np.array_split(items, 2)
-    with ThreadPoolExecutor(1) as beside:
-        first = beside.submit(kernel, one)
-        second = kernel(other)
-        return first.result(), second
+    """Return what a kernel makes of each half of the faces, or other items; it must not hold the GIL.
+
+    At a time where numba may use two threads. The numbers do not depend on that.
+    """
+    with ThreadPoolExecutor(min(2, config.NUMBA_NUM_THREADS)) as threads:
+        one, other = threads.map(kernel, np.array_split(items, 2))
+    return one, other
 
 
 def volume_image_reference(
