@@ -75,11 +75,11 @@ def write_results(runs: Path) -> None:
             detection = pd.read_csv(table)
             lines = versioned(detection[[column for column in KEPT if column in detection]])
             tables[name] = best(lines, tables.get(name))
-    if (runs / "distortion").exists():
+    if (runs / "distortion" / "tables").exists():
         tables["distortion"] = best(versioned(distortion(runs / "distortion")), tables.get("distortion"))
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
-    if (runs / "nulls").exists():
+    if (runs / "nulls" / "tables").exists():
         tables["nulls"] = versioned(pd.read_csv(runs / "nulls" / "tables" / "nulls.csv"))
         tables["random_keys"] = counted(pd.read_csv(runs / "nulls" / "tables" / "false_alarms.csv"))
     for name in DRAWN:
@@ -155,6 +155,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             trials={name: int(robust(tables[name])["trials"].min()) for name in CONFIGS if name in tables},
             paper_trials=int(paper.loc[paper["scheme"].str.startswith("song2002"), "trials"].min()),
             paper=pivot(robust(paper)),
+            older={name: older_meshes(robust(tables[name])) for name in CONFIGS if name in tables},
             version={name: int(robust(tables[name])["version"].min()) for name in CONFIGS if name in tables}
             | {"ablation": int(ablation["version"].min()), "other_models": int(others["version"].min())},
             current=RangeDct.version,
@@ -180,6 +181,12 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
 def robust(table: pd.DataFrame) -> pd.DataFrame:
     """Return the lines of range-dct."""
     return table[table["scheme"].str.startswith("range-dct")]
+
+
+def older_meshes(table: pd.DataFrame) -> list[str]:
+    """Return the meshes that were read with an earlier version of range-dct; empty if all or none were."""
+    old = table.loc[table["version"] < RangeDct.version, "mesh"].unique().tolist()
+    return [] if len(old) == table["mesh"].nunique() else old
 
 
 def pivot(detection: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
