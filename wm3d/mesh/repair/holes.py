@@ -5,6 +5,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.mesh.moments import face_areas
 from wm3d.mesh.repair.kernels import hole_caps
 from wm3d.mesh.repair.sides import Sides
 
@@ -53,8 +54,8 @@ def caps(corners: IntArray, sides: Sides, points: FloatArray) -> IntArray:
     covers = along[ranks[covers]]
 
     part = _parts(corners, len(points))
-    whole = np.bincount(part[corners[:, 0]], _areas(corners, points), part.max() + 1)
-    cover = np.bincount(loop, _areas(covers, points))
+    whole = np.bincount(part[corners[:, 0]], face_areas(points, corners), part.max() + 1)
+    cover = np.bincount(loop, face_areas(points, covers))
     small: IntArray = covers[cover[loop] <= LARGEST * whole[part[covers[:, 0]]]]
     return small
 
@@ -65,9 +66,3 @@ def _parts(corners: IntArray, places: int) -> IntArray:
     links = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(places, places))
     part: IntArray = connected_components(links, directed=False)[1].astype(np.int64)
     return part
-
-
-def _areas(corners: IntArray, points: FloatArray) -> FloatArray:
-    a, b, c = points[corners.T]
-    areas: FloatArray = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return areas
