@@ -1,7 +1,7 @@
 """Moments up to order four of the solid that a surface bounds, as symmetric tensors."""
 
 import itertools
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from wm3d.errors import NoSolidError
 from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.moments import check_volume, volume_moments
+from wm3d.mesh.tensors import mapped, mapped_entries, multiplicity, rising, symmetrized
 
 ORDERS = (2, 3, 4)
 ENTRIES = 31
@@ -40,28 +41,28 @@ class SolidMoments(NamedTuple):
     def mapped(self, matrix: FloatArray) -> "SolidMoments":
         """Return the moments of the solid under x ↦ matrix x, with the centroid as origin: it maps to 0."""
         tensors = (self.second, self.third, self.fourth)
-        return SolidMoments(np.zeros(3), *(_mapped(tensor, matrix) for tensor in tensors))
+        return SolidMoments(np.zeros(3), *(mapped(tensor, matrix) for tensor in tensors))
 
     def entries(self) -> FloatArray:
         """Return the 6 + 10 + 15 different entries of the tensors: (31,)."""
         tensors = (self.second, self.third, self.fourth)
-        return np.concatenate([t[_rising(k)] for k, t in zip(ORDERS, tensors, strict=True)])
+        return np.concatenate([t[rising(k)] for k, t in zip(ORDERS, tensors, strict=True)])
 
     @classmethod
     def of_entries(cls, entries: ArrayLike) -> "SolidMoments":
         """Return the moments with these `entries`, and the centroid as origin."""
         parts = np.split(
-            np.asarray(entries, dtype=float), np.cumsum([len(_rising(k)[0]) for k in ORDERS])[:-1]
+            np.asarray(entries, dtype=float), np.cumsum([len(rising(k)[0]) for k in ORDERS])[:-1]
         )
         tensors = [np.empty((3,) * k) for k in ORDERS]
         for order, tensor, values in zip(ORDERS, tensors, parts, strict=True):
             for axes in itertools.permutations(range(order)):
-                tensor[tuple(_rising(order)[axis] for axis in axes)] = values
+                tensor[tuple(rising(order)[axis] for axis in axes)] = values
         return cls(np.zeros(3), *tensors)
 
     def components(self) -> FloatArray:
         """Return `entries`, weighted so that their norm is that of the tensors: (31,)."""
-        weights = np.concatenate([np.sqrt(_multiplicity(order)) for order in ORDERS])
+        weights = np.concatenate([np.sqrt(multiplicity(order)) for order in ORDERS])
         components: FloatArray = weights * self.entries()
         return components
 
@@ -75,17 +76,10 @@ class SolidMoments(NamedTuple):
         """
         values, derivatives = [], []
         for order, tensor in zip(ORDERS, (self.second, self.third, self.fourth), strict=True):
-            half = tensor  # mapped in all indices but the first
-            for _ in range(order - 1):
-                half = np.tensordot(half, matrix, axes=(1, 1))
-            index, weight = _rising(order), np.sqrt(_multiplicity(order))
-            values.append(weight * np.tensordot(matrix, half, axes=(1, 0))[index])
-            # d/dM_ij of M_aj' half_j'bc...: half_jbc... wherever one of the indices is i
-            slopes = np.zeros((len(weight), 3, 3))
-            for slot in range(order):
-                rest = [index[other] for other in range(order) if other != slot]
-                slopes[np.arange(len(weight)), index[slot]] += np.moveaxis(half, 0, -1)[tuple(rest)]
-            derivatives.append(weight[:, None] * slopes.reshape(-1, 9))
+            entries, slopes = mapped_entries(tensor, matrix)
+            weight = np.sqrt(multiplicity(order))
+            values.append(weight * entries)
+            derivatives.append(weight[:, None] * slopes)
         return np.concatenate(values), np.concatenate(derivatives)
 
 
@@ -161,27 +155,14 @@ def _centred(
     """Move moments from the apex to the centroid, which lies at d from it; zero but for open meshes."""
     dd = np.multiply.outer(d, d)
     central2 = second - dd
-    central3 = third - _symmetrized(np.multiply.outer(central2, d), 3) - np.multiply.outer(dd, d)
+    central3 = third - symmetrized(np.multiply.outer(central2, d), 3) - np.multiply.outer(dd, d)
     central4 = (
         fourth
-        - _symmetrized(np.multiply.outer(central3, d), 4)
-        - _symmetrized(np.multiply.outer(central2, dd), 6)
+        - symmetrized(np.multiply.outer(central3, d), 4)
+        - symmetrized(np.multiply.outer(central2, dd), 6)
         - np.multiply.outer(dd, dd)
     )
     return central2, central3, central4
-
-
-def _symmetrized(tensor: FloatArray, terms: int) -> FloatArray:
-    """Sum a tensor over the `terms` different ways of dealing out its indices."""
-    orders = list(itertools.permutations(range(tensor.ndim)))
-    mean: FloatArray = np.mean([np.transpose(tensor, order) for order in orders], axis=0)
-    return terms * mean
-
-
-def _mapped(tensor: FloatArray, matrix: FloatArray) -> FloatArray:
-    for _ in range(tensor.ndim):  # each turn maps the first index and makes it the last
-        tensor = np.tensordot(tensor, matrix, axes=(0, 1))
-    return tensor
 
 
 def _tensor(integrals: FloatArray, order: int) -> FloatArray:
@@ -189,17 +170,3 @@ def _tensor(integrals: FloatArray, order: int) -> FloatArray:
     indices = np.indices((3,) * order).reshape(order, -1)
     i, j, k = ((indices == axis).sum(axis=0) for axis in range(3))
     return np.asarray(integrals[i, j, k]).reshape((3,) * order)
-
-
-@cache
-def _rising(order: int) -> tuple[IntArray, ...]:
-    """Return the indices of the different entries of a symmetric tensor, as numpy indexes with them."""
-    rising = list(itertools.combinations_with_replacement(range(3), order))
-    return tuple(np.array(column) for column in zip(*rising, strict=True))
-
-
-@cache
-def _multiplicity(order: int) -> FloatArray:
-    """How often each different entry stands in the tensor."""
-    rising = zip(*_rising(order), strict=True)
-    return np.array([len(set(itertools.permutations(index))) for index in rising], dtype=float)
