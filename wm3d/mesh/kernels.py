@@ -230,6 +230,47 @@ def cone_integrals(vertices: FloatArray, faces: IntArray, apex: FloatArray, unit
 
 
 @njit(cache=True)
+def mapped_entries(tensor: FloatArray, matrix: FloatArray, places: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Entries at places (n, k) of a flat symmetric tensor (3ᵏ,), mapped, and their slopes (n, 9) by the matrix."""
+    count, order = places.shape
+    half = tensor  # mapped in all indices but the last
+    for _ in range(order - 1):
+        half = _index_mapped(half, matrix)
+    whole = _index_mapped(half, matrix)
+    entries, slopes = np.empty(count), np.zeros((count, 9))
+    for n in range(count):
+        entries[n] = whole[_flat(places[n], order)]
+        # d/dM_ij of Σ half_ab...j' M_cj' is half_ab...j wherever one of the indices is i
+        for slot in range(order):
+            rest = 3 * _flat(places[n], slot)
+            for j in range(3):
+                slopes[n, 3 * places[n, slot] + j] += half[rest + j]
+    return entries, slopes
+
+
+@njit(cache=True)
+def _index_mapped(tensor: FloatArray, matrix: FloatArray) -> FloatArray:
+    """Map the last index of a flat tensor and make it the first."""
+    rest = len(tensor) // 3
+    mapped = np.empty(len(tensor))
+    for i in range(3):
+        for r in range(rest):
+            x, y, z = tensor[3 * r], tensor[3 * r + 1], tensor[3 * r + 2]
+            mapped[i * rest + r] = matrix[i, 0] * x + matrix[i, 1] * y + matrix[i, 2] * z
+    return mapped
+
+
+@njit(cache=True)
+def _flat(place: IntArray, omitted: int) -> int:
+    """Where a place lies in a flat tensor, without the index that is omitted."""
+    flat = 0
+    for slot in range(len(place)):
+        if slot != omitted:
+            flat = 3 * flat + place[slot]
+    return flat
+
+
+@njit(cache=True)
 def mixed(key: np.uint64) -> np.uint64:
     """Mix the bits of a number (splitmix64, Steele, Lea & Flood 2014)."""
     key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)

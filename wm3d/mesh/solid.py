@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wm3d.arrays import FloatArray, IntArray
+from wm3d.arrays import FloatArray
 from wm3d.errors import NoSolidError
 from wm3d.mesh import kernels
 from wm3d.mesh.mesh import Mesh
