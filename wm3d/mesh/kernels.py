@@ -231,7 +231,7 @@ def cone_integrals(vertices: FloatArray, faces: IntArray, apex: FloatArray, unit
 
 @njit(cache=True)
 def mapped_entries(tensor: FloatArray, matrix: FloatArray, places: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Entries at places (n, k) of a flat symmetric tensor (3ᵏ,), mapped, and their slopes (n, 9) by the matrix."""
+    """Entries at places (n, k) of a flat symmetric tensor (3ᵏ,), mapped, and slopes (n, 9) by the matrix."""
     count, order = places.shape
     half = tensor  # mapped in all indices but the last
     for _ in range(order - 1):

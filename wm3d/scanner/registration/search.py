@@ -9,6 +9,8 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial.transform import Rotation
 
 from wm3d.arrays import BoolArray, FloatArray, IntArray
+from wm3d.scanner.registration import kernels
+from wm3d.scanner.registration.kernels import CELL, GRID, HALF_WIDTH
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.surface import POINTS, Surface
 from wm3d.scanner.registration.warp import Warp
@@ -38,15 +40,6 @@ LEAST_SIZE, MOST_SIZE = 0.5, 1.1
 PROBES, FAR = 64, 0.5
 """Points of the surface by which starts are compared, and the distance from which one counts as lost."""
 
-OFF, NEARNESS = 0.25, 0.3
-"""Distance from a landmark's tangent plane that counts in full, and what the distance from it counts beside.
-A smooth surface lies near to landmarks in wrong places too, but not in their planes."""
-
-GRID, HALF_WIDTH = 50, 2.5
-"""Cells along a side of the cube in which landmarks are looked up, and half its width, in sizes."""
-
-CELL = 2 * HALF_WIDTH / GRID
-
 
 class _Places(NamedTuple):
     """Ways to lay a surface on landmarks, whose middle is 0 and whose size is 1.
@@ -61,10 +54,6 @@ class _Places(NamedTuple):
     turn: FloatArray
     size: FloatArray
     shift: FloatArray
-
-    def laid(self, points: FloatArray) -> FloatArray:
-        """Return (k, 3) points in each of these places: (n, k, 3)."""
-        return self.size[:, None, None] * (points @ self.turn.swapaxes(1, 2)) + self.shift[:, None]
 
     def neighbours(self, step: float) -> Iterator[Self]:
         """Yield these places a step on in each of 14 directions: turned, shifted, smaller and larger."""
@@ -115,11 +104,10 @@ class _Field(NamedTuple):
 
     def misfit(self, places: _Places, probes: FloatArray) -> FloatArray:
         """Return how far (k, 3) probes lie off the landmarks' planes in each of (n,) places, on average."""
-        laid = places.laid(probes)
-        cells = _cells(laid)
-        landmark = self.nearest[cells]
-        off = np.abs(((laid - self.points[landmark]) * self.normals[landmark]).sum(axis=-1))
-        misfit: FloatArray = (np.minimum(off, OFF) + NEARNESS * self.distance[cells]).mean(axis=1)
+        misfit: FloatArray = kernels.misfits(
+            *(probes, places.turn, places.size, places.shift),
+            *(self.points, self.normals, self.nearest, self.distance),
+        )
         return misfit
 
 
@@ -133,7 +121,7 @@ def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
     goal = landmarks.points.mean(axis=0)
     size = float(np.sqrt(((landmarks.points - goal) ** 2).sum(axis=1).mean()))
     field = _Field.of((landmarks.points - goal) / size, landmarks.normals)
-    probes = surface.points[:: POINTS // PROBES]
+    probes = np.ascontiguousarray(surface.points[:: POINTS // PROBES])
 
     tried, misfit = _tried(probes, field.distance)
     best = np.argsort(misfit, kind="stable")
@@ -149,15 +137,9 @@ def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
 def _tried(probes: FloatArray, distance: FloatArray) -> tuple[_Places, FloatArray]:
     """Return the best size and shift for each of many turns, and how far the probes then lie off: (n,)."""
     candidates = turns(TURNS) * [1.0, 1.0, -1.0]  # the frame is left-handed
-    turned: FloatArray = probes @ candidates.swapaxes(1, 2)
-    misfit = np.full(len(candidates), np.inf)
-    size, shift = np.ones(len(candidates)), np.zeros((len(candidates), 3))
-    for tried_size in SIZES:
-        for tried_shift in SHIFTS:
-            tried = distance[_cells(tried_size * turned + tried_shift)].mean(axis=1)
-            better = tried < misfit
-            misfit[better], size[better], shift[better] = tried[better], tried_size, tried_shift
-    return _Places(candidates, size, shift), misfit
+    sizes = np.array(SIZES)
+    misfit, size, shift = kernels.nearest_tried(probes, candidates, sizes, SHIFTS, distance)
+    return _Places(candidates, sizes[size], SHIFTS[shift]), misfit
 
 
 def _improved(places: _Places, probes: FloatArray, field: _Field) -> _Places:

@@ -1,0 +1,50 @@
+"""Kernels of the search for a pose, against the same in numpy."""
+
+import itertools
+
+import numpy as np
+from shapes import rotation
+
+from wm3d.scanner.registration.kernels import (
+    CELL,
+    GRID,
+    HALF_WIDTH,
+    NEARNESS,
+    OFF,
+    misfits,
+    nearest_tried,
+)
+
+RNG = np.random.default_rng(1)
+PROBES = RNG.normal(0, 1.2, (40, 3))  # some lie beside the cube
+TURNS = np.stack([rotation(seed) for seed in range(30)])
+DISTANCE = RNG.uniform(0, 0.5, GRID**3)
+
+
+def cells(places: np.ndarray) -> np.ndarray:
+    layers = np.floor((places + HALF_WIDTH) / CELL).astype(int).clip(0, GRID - 1)
+    return np.ravel_multi_index(np.moveaxis(layers, -1, 0), (GRID,) * 3)
+
+
+def test_best_of_the_sizes_and_shifts_tried_is_that_of_all_looked_up_at_once():
+    sizes, shifts = np.array([1.0, 0.8]), RNG.normal(0, 0.5, (5, 3))
+    pairs = list(itertools.product(range(2), range(5)))
+    turned = PROBES @ TURNS.swapaxes(1, 2)
+    means = np.stack([DISTANCE[cells(sizes[a] * turned + shifts[b])].mean(axis=1) for a, b in pairs], axis=1)
+    least, size, shift = nearest_tried(PROBES, TURNS, sizes, shifts, DISTANCE)
+    np.testing.assert_allclose(least, means.min(axis=1), rtol=1e-12)
+    assert list(zip(size, shift, strict=True)) == [pairs[best] for best in means.argmin(axis=1)]
+
+
+def test_misfit_is_the_distance_from_the_plane_of_the_nearest_landmark_and_a_part_of_that_from_it():
+    points, normals = RNG.normal(size=(2, 9, 3))
+    nearest = RNG.integers(0, 9, GRID**3)
+    sizes, shifts = RNG.uniform(0.5, 1.1, 30), RNG.normal(0, 0.3, (30, 3))
+    places = sizes[:, None, None] * (PROBES @ TURNS.swapaxes(1, 2)) + shifts[:, None]
+    assert (np.abs(places) > HALF_WIDTH).any()
+    landmark = nearest[cells(places)]
+    off = np.abs(np.einsum("nki,nki->nk", places - points[landmark], normals[landmark]))
+    assert (off < OFF).any()
+    expected = (np.minimum(off, OFF) + NEARNESS * DISTANCE[cells(places)]).mean(axis=1)
+    found = misfits(PROBES, TURNS, sizes, shifts, points, normals, nearest, DISTANCE)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
