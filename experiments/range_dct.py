@@ -20,9 +20,10 @@ from range_dct_distortion import AXES, curves, distortion, held, weakest
 from wm3d.bench import run_config
 from wm3d.bench.figures import save
 from wm3d.bench.heatmap import heatmap_figure
+from wm3d.bench.report import read_manifest
 from wm3d.bench.store import RunDirectory
 from wm3d.mesh import datasets, write_whole
-from wm3d.schemes import SCHEMES, RangeDct
+from wm3d.schemes import RangeDct
 from wm3d.stats import DEFAULT_PF
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -70,18 +71,18 @@ def write_results(runs: Path) -> None:
         (RESULTS.path / folder).mkdir(parents=True, exist_ok=True)
     tables = {file.stem: pd.read_csv(file) for file in sorted((RESULTS.path / "tables").glob("*.csv"))}
     for name in CONFIGS:
-        table = runs / name / "tables" / "detection.csv"
-        if table.exists():
-            detection = pd.read_csv(table)
-            lines = versioned(detection[[column for column in KEPT if column in detection]])
+        if (runs / name / "tables" / "detection.csv").exists():
+            detection = read(runs, name, "detection")
+            lines = detection[[column for column in (*KEPT, "version") if column in detection]]
             tables[name] = best(lines, tables.get(name))
     if (runs / "distortion" / "tables").exists():
-        tables["distortion"] = best(versioned(distortion(runs / "distortion")), tables.get("distortion"))
+        lines = distortion(runs / "distortion").assign(version=versions(runs, "distortion")["range-dct"])
+        tables["distortion"] = best(lines, tables.get("distortion"))
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
     if (runs / "nulls" / "tables").exists():
-        tables["nulls"] = versioned(pd.read_csv(runs / "nulls" / "tables" / "nulls.csv"))
-        tables["random_keys"] = counted(pd.read_csv(runs / "nulls" / "tables" / "false_alarms.csv"))
+        tables["nulls"] = read(runs, "nulls", "nulls")
+        tables["random_keys"] = counted(read(runs, "nulls", "false_alarms"))
     for name in DRAWN:
         shown = drawn(tables, name)
         if len(shown):
@@ -92,9 +93,16 @@ def write_results(runs: Path) -> None:
     write_whole(RESULTS.path / "README.md", page(tables).encode())
 
 
-def versioned(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with the version that the scheme of each line has now, when it was run."""
-    return table.assign(version=[SCHEMES[label.split()[0]].version for label in table["scheme"]])
+def read(runs: Path, name: str, table: str) -> pd.DataFrame:
+    """Return a table of a run, with the version of the scheme of each line."""
+    lines = pd.read_csv(runs / name / "tables" / f"{table}.csv")
+    known = versions(runs, name)
+    return lines.assign(version=[known[label.split()[0]] for label in lines["scheme"]])
+
+
+def versions(runs: Path, name: str) -> dict[str, int]:
+    """Return the version that each scheme had when a run was made."""
+    return read_manifest(RunDirectory(runs / name))["schemes"]
 
 
 def best(new: pd.DataFrame, old: pd.DataFrame | None) -> pd.DataFrame:

@@ -9,13 +9,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from wm3d.attacks import GaussianNoise, Similarity
+from wm3d.attacks import ATTACKS, GaussianNoise, Similarity
 from wm3d.bench import load_experiment, run_config
 from wm3d.bench import run as module
 from wm3d.bench.columns import TRIALS
 from wm3d.bench.store import FIGURES, TABLES, RunDirectory, report_files
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
+from wm3d.schemes import Song2002
 
 BUNNY = """\
 name: bunny
@@ -91,6 +92,10 @@ def test_a_run_leaves_tables_figures_rows_and_what_it_ran(bunny_run):
     manifest = json.loads((bunny_run / "manifest.json").read_text())
     assert manifest["meshes"]["bunny"]["faces"] == 56172
     assert manifest["lost_trials"] == 0
+    assert manifest["schemes"] == {"song2002": Song2002.version}
+    assert manifest["attacks"] == {
+        name: ATTACKS[name].version for name in ("clean", "gaussian-noise", "simplify")
+    }
     # 2 blocks × 3 attacks × (marked, unmarked), and 3 curves
     assert (len(manifest["cells"]), len(manifest["false_alarm_cells"])) == (12, 3)
     assert {f"{name}.parquet" for name in manifest["cells"] + manifest["false_alarm_cells"]} == set(

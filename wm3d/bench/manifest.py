@@ -49,6 +49,8 @@ def manifest(
             "python": platform.python_version(),
         },
         "versions": _versions(),
+        "schemes": {cell.scheme.name: cell.scheme.version for cell in cells},
+        "attacks": {cell.attack.name: cell.attack.version for cell in cells},
         "meshes": {name: _mesh_entry(name, mesh) for name, mesh in meshes.items()},
         "sigma_percent": {name: _noise(experiment, mesh) for name, mesh in meshes.items()},
         "lost_trials": lost_trials,
