@@ -36,6 +36,7 @@ CONFIGS = {
         "broken_meshes",
         "blocks",
         "distortion",
+        "strength",
         "nulls",
     )
 }
@@ -173,6 +174,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             other=pivot(drawn(tables, "other_attacks")),
             broken=pivot(drawn(tables, "broken_meshes")),
             blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
+            strength=by_budget(tables["strength"]) if "strength" in tables else {},
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             weakest=weakest(tables["distortion"]) if "distortion" in tables else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
@@ -212,6 +214,14 @@ def by_blocks(detection: pd.DataFrame) -> dict[str, dict[str, dict[int, dict[str
     lines: dict[str, dict[str, dict[int, dict[str, float]]]] = {}
     for line in detection.sort_values("blocks", kind="stable").to_dict("records"):
         lines.setdefault(line["mesh"], {}).setdefault(line["attack"], {})[line["blocks"]] = line
+    return lines
+
+
+def by_budget(detection: pd.DataFrame) -> dict[str, dict[str, dict[str, float]]]:
+    """Return the lines of a table by attack and budget, in the order of the config."""
+    lines: dict[str, dict[str, dict[str, float]]] = {}
+    for line in detection.to_dict("records"):
+        lines.setdefault(line["attack"], {})[line["scheme"].split(" at SNR ")[1]] = line
     return lines
 
 
