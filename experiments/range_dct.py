@@ -16,6 +16,7 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment, StrictUndefined
 from range_dct_distortion import AXES, curves, distortion, held, weakest
+from scipy.stats import norm
 
 from wm3d.bench import run_config
 from wm3d.bench.figures import save
@@ -24,7 +25,7 @@ from wm3d.bench.report import read_manifest
 from wm3d.bench.store import RunDirectory
 from wm3d.mesh import datasets, write_whole
 from wm3d.schemes import RangeDct
-from wm3d.stats import DEFAULT_PF
+from wm3d.stats import DEFAULT_PF, tolerance_bound
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = {
@@ -49,6 +50,12 @@ DRAWN = {
 """Tables that each heat map shows."""
 OTHER_MODELS = RESULTS.path / "other_models.csv"
 TEMPLATE = Path(__file__).with_name("range_dct_readme.md.j2")
+SHARE = 0.99
+"""Share of the keys that are to be found."""
+
+THRESHOLD = {pf: float(norm.isf(pf)) for pf in (1e-6, 1e-12)}
+"""z of a detection; a sum of signs is more often below it than a Gaussian."""
+
 COUNTED_AT = (2.0, 3.0, 4.0)
 """z at which counted and exact false alarms stand side by side."""
 
@@ -84,6 +91,7 @@ def write_results(runs: Path) -> None:
     if (runs / "nulls" / "tables").exists():
         tables["nulls"] = read(runs, "nulls", "nulls")
         tables["random_keys"] = counted(read(runs, "nulls", "false_alarms"))
+    tables |= {name: bounded(tables[name]) for name in CONFIGS if name in tables and name != "nulls"}
     for name in DRAWN:
         shown = drawn(tables, name)
         if len(shown):
@@ -112,6 +120,17 @@ def best(new: pd.DataFrame, old: pd.DataFrame | None) -> pd.DataFrame:
     names = ["mesh", "scheme", "attack"]
     ranked = lines.sort_values(["version", "trials"], ascending=False, kind="stable")
     return ranked.drop_duplicates(names).sort_index().reset_index(drop=True)
+
+
+def bounded(lines: pd.DataFrame) -> pd.DataFrame:
+    """Return lines with the z that 99 % of all keys exceed, with a confidence of 0.95, if z is Gaussian."""
+    return lines.assign(z_99=tolerance_bound(lines["z_mean"], lines["z_std"], lines["trials"], SHARE))
+
+
+def short(lines: pd.DataFrame) -> dict[str, Any]:
+    """Return how many cells there are, and those in which that bound is no detection at 1e-12."""
+    below = lines.loc[~(lines["z_99"] > THRESHOLD[1e-12]), ["mesh", "attack", "z_99"]]
+    return {"cells": len(lines), "below": below.sort_values("z_99").to_dict("records")}
 
 
 def drawn(tables: dict[str, pd.DataFrame], name: str) -> pd.DataFrame:
@@ -157,6 +176,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
     environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     ablation, others = pd.read_csv(RESULTS.path / "ablation.csv"), pd.read_csv(OTHER_MODELS)
     paper = tables["paper_attacks"]
+    shown = {name: drawn(tables, name) for name in DRAWN}
     return (
         environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
         .render(
@@ -171,9 +191,11 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             spread=robust(paper)["z_std"].max(),
             ratios=tables["beside_song2002"].to_dict("records"),
             least=least_ratio(tables),
-            other=pivot(drawn(tables, "other_attacks")),
-            broken=pivot(drawn(tables, "broken_meshes")),
+            other=pivot(shown["other_attacks"]),
+            broken=pivot(shown["broken_meshes"]),
             blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
+            short={name: short(robust(table)) for name, table in shown.items() if len(table)},
+            threshold=THRESHOLD,
             strength=by_budget(tables["strength"]) if "strength" in tables else {},
             faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
             weakest=weakest(tables["distortion"]) if "distortion" in tables else {},

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import binom, binomtest, ttest_1samp
 
 from wm3d.errors import Wm3dError
-from wm3d.stats import clopper_pearson, korn_graubard, quoted, student_t
+from wm3d.stats import clopper_pearson, korn_graubard, quoted, student_t, tolerance_bound
 
 
 @pytest.mark.parametrize(("k", "n"), [(0, 1), (1, 1), (0, 30), (30, 30), (7, 30), (3, 10**8)])
@@ -75,3 +75,20 @@ def test_probability_is_quoted_from_ten_events():
 def test_impossible_counts_are_refused(k, n, confidence):
     with pytest.raises(Wm3dError):
         clopper_pearson(k, n, confidence)
+
+
+@pytest.mark.parametrize(("n", "k"), [(2, 37.094), (5, 5.741), (10, 3.981), (20, 3.295), (100, 2.684)])
+def test_tolerance_bound_has_the_factors_of_the_tables(n, k):
+    # Natrella, Experimental Statistics, NBS Handbook 91, table A-7: 99 % of the values with confidence 0.95
+    assert tolerance_bound(10.0, 2.0, n) == pytest.approx(10 - 2 * k, rel=1e-3)
+
+
+def test_tolerance_bound_lies_below_the_quantile_as_often_as_it_says():
+    values = np.random.default_rng(1).normal(3.0, 0.5, (4000, 8))
+    bound = tolerance_bound(values.mean(axis=1), values.std(axis=1, ddof=1), 8, share=0.9, confidence=0.8)
+    below = (bound < 3.0 - 0.5 * 1.2815515655446004).sum()
+    assert binomtest(int(below), 4000, 0.8).pvalue > 1e-3
+
+
+def test_one_value_bounds_nothing():
+    np.testing.assert_array_equal(tolerance_bound([50.0, 50.0], [np.nan, 0.0], [1, 5]), [-np.inf, 50.0])

@@ -2,7 +2,7 @@
 
 from wm3d.stats.false_alarm import FalseAlarm, false_alarm
 from wm3d.stats.importance import ImportanceEstimate, importance_sampling
-from wm3d.stats.intervals import Interval, clopper_pearson, korn_graubard, quoted, student_t
+from wm3d.stats.intervals import Interval, clopper_pearson, korn_graubard, quoted, student_t, tolerance_bound
 from wm3d.stats.montecarlo import Exceedances, hadamard_keys, independent_keys
 from wm3d.stats.rademacher import DEFAULT_PF, RademacherSum, Score, key_signs, key_signs_batch
 from wm3d.stats.roc import (
@@ -57,5 +57,6 @@ __all__ = [
     "student_t",
     "summarize",
     "swept_roc",
+    "tolerance_bound",
     "z_at",
 ]

@@ -1,10 +1,10 @@
-"""Confidence intervals: of a proportion, from trials or from batches of trials, and of a mean."""
+"""Confidence intervals of a proportion, from trials or from batches of trials, of a mean, of a quantile."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import betaincinv, stdtrit
+from scipy.special import betaincinv, nctdtrit, ndtri, stdtrit
 
 from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
@@ -121,6 +121,40 @@ def student_t(values: ArrayLike, confidence: float = DEFAULT_CONFIDENCE) -> Inte
         return Interval(np.array(np.nan), np.array(np.nan))
     reach = -stdtrit(x.size - 1, tail) * x.std(ddof=1) / np.sqrt(x.size)
     return Interval(x.mean() - reach, x.mean() + reach)
+
+
+def tolerance_bound(
+    mean: ArrayLike,
+    std: ArrayLike,
+    trials: ArrayLike,
+    share: float = 0.99,
+    confidence: float = DEFAULT_CONFIDENCE,
+) -> FloatArray:
+    """Return what at least a share of all values exceeds, for independent Gaussian values: mean − k s.
+
+    Parameters
+    ----------
+    mean, std : array_like of float
+        Of the values seen; the variance is that over n − 1.
+    trials : array_like of int
+        How many values, n. Fewer than two tell nothing: −∞.
+    share : float
+        In (0, 1).
+    confidence : float
+        In (0, 1), of the one-sided bound.
+
+    Returns
+    -------
+    ndarray
+        √n k is the quantile of the noncentral t law of n − 1 degrees of freedom about √n Φ⁻¹(share)
+        (Wallis, Selected Techniques of Statistical Analysis, 1947).
+    """
+    centre, spread, n = np.broadcast_arrays(*(np.asarray(part, float) for part in (mean, std, trials)))
+    enough = n > 1
+    root = np.sqrt(np.where(enough, n, 2.0))
+    k = nctdtrit(root**2 - 1, root * ndtri(share), confidence) / root
+    bound: FloatArray = np.where(enough, centre - k * np.where(enough, spread, 0.0), -np.inf)
+    return bound
 
 
 def quoted(events: ArrayLike, trials: ArrayLike) -> FloatArray:
