@@ -14,6 +14,7 @@ from wm3d.attacks import Noise
 from wm3d.bench.config import Experiment
 from wm3d.bench.plan import Cell
 from wm3d.mesh import Mesh, datasets
+from wm3d.registry import component_name
 
 
 def manifest(
@@ -49,8 +50,8 @@ def manifest(
             "python": platform.python_version(),
         },
         "versions": _versions(),
-        "schemes": {cell.scheme.name: cell.scheme.version for cell in cells},
-        "attacks": {cell.attack.name: cell.attack.version for cell in cells},
+        "schemes": {component_name(type(cell.scheme)): cell.scheme.version for cell in cells},
+        "attacks": {component_name(type(cell.attack)): cell.attack.version for cell in cells},
         "meshes": {name: _mesh_entry(name, mesh) for name, mesh in meshes.items()},
         "sigma_percent": {name: _noise(experiment, mesh) for name, mesh in meshes.items()},
         "lost_trials": lost_trials,
