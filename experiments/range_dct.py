@@ -18,11 +18,12 @@ from jinja2 import Environment, StrictUndefined
 from range_dct_distortion import AXES, curves, distortion, held, weakest
 from scipy.stats import norm
 
-from wm3d.bench import run_config
+from wm3d.bench import load_experiment, run_config
 from wm3d.bench.figures import save
 from wm3d.bench.heatmap import heatmap_figure
 from wm3d.bench.report import read_manifest
 from wm3d.bench.store import RunDirectory
+from wm3d.errors import Wm3dError
 from wm3d.mesh import datasets, write_whole
 from wm3d.schemes import RangeDct
 from wm3d.stats import DEFAULT_PF, tolerance_bound
@@ -62,7 +63,7 @@ COUNTED_AT = (2.0, 3.0, 4.0)
 KEPT = [
     "mesh", "scheme", "attack", "sigma_percent", "trials", "failed", "unreadable", "z_mean", "z_std",
     "d_prime", "d_prime_low", "d_prime_high", "pd_1e-06", "pd_1e-06_low", "pd_1e-06_high",
-    "pd_1e-12", "pd_1e-12_low", "pd_1e-12_high",
+    "pd_1e-12", "pd_1e-12_low", "pd_1e-12_high", "version",
 ]  # fmt: skip
 
 
@@ -79,10 +80,10 @@ def write_results(runs: Path) -> None:
         (RESULTS.path / folder).mkdir(parents=True, exist_ok=True)
     tables = {file.stem: pd.read_csv(file) for file in sorted((RESULTS.path / "tables").glob("*.csv"))}
     for name in CONFIGS:
-        if (runs / name / "tables" / "detection.csv").exists():
+        if name != "distortion" and (runs / name / "tables" / "detection.csv").exists():
             detection = read(runs, name, "detection")
-            lines = detection[[column for column in (*KEPT, "version") if column in detection]]
-            tables[name] = best(lines, tables.get(name))
+            lines = detection[[column for column in KEPT if column in detection]]
+            tables[name] = in_order(best(lines, tables.get(name)), CONFIGS[name])
     if (runs / "distortion" / "tables").exists():
         lines = distortion(runs / "distortion").assign(version=versions(runs, "distortion")["range-dct"])
         tables["distortion"] = best(lines, tables.get("distortion"))
@@ -111,7 +112,14 @@ def read(runs: Path, name: str, table: str) -> pd.DataFrame:
 
 def versions(runs: Path, name: str) -> dict[str, int]:
     """Return the version that each scheme had when a run was made."""
-    return read_manifest(RunDirectory(runs / name))["schemes"]
+    manifest = read_manifest(RunDirectory(runs / name))
+    if "schemes" not in manifest:
+        raise Wm3dError(
+            f"{runs / name}: its manifest tells no versions of schemes; run wm3d run {CONFIGS[name]} --out "
+            f"{runs / name} again, which keeps what is there."
+        )
+    schemes: dict[str, int] = manifest["schemes"]
+    return schemes
 
 
 def best(new: pd.DataFrame, old: pd.DataFrame | None) -> pd.DataFrame:
@@ -120,6 +128,22 @@ def best(new: pd.DataFrame, old: pd.DataFrame | None) -> pd.DataFrame:
     names = ["mesh", "scheme", "attack"]
     ranked = lines.sort_values(["version", "trials"], ascending=False, kind="stable")
     return ranked.drop_duplicates(names).sort_index().reset_index(drop=True)
+
+
+def in_order(lines: pd.DataFrame, config: Path) -> pd.DataFrame:
+    """Return lines in the order in which a config names meshes, schemes and attacks, whatever was merged."""
+    experiment = load_experiment(config)
+    named = {
+        "mesh": [mesh for case in experiment.cases for mesh in case.meshes],
+        "scheme": [scheme.label() for case in experiment.cases for scheme in case.schemes],
+        "attack": [attack.label() for attack in experiment.attacks],
+    }
+
+    def place(column: pd.Series) -> pd.Series:
+        plain = column.str.split(" at ").str[0]  # without the budget of a calibrated scheme
+        return plain.map(named[str(column.name)].index)
+
+    return lines.sort_values(list(named), key=place, kind="stable", ignore_index=True)
 
 
 def bounded(lines: pd.DataFrame) -> pd.DataFrame:

@@ -11,6 +11,7 @@ from wm3d.scanner.registration.kernels import (
     HALF_WIDTH,
     NEARNESS,
     OFF,
+    cells,
     misfits,
     nearest_tried,
 )
@@ -21,16 +22,23 @@ TURNS = np.stack([rotation(seed) for seed in range(30)])
 DISTANCE = RNG.uniform(0, 0.5, GRID**3)
 
 
-def cells(places: np.ndarray) -> np.ndarray:
+def numbered(places: np.ndarray) -> np.ndarray:
     layers = np.floor((places + HALF_WIDTH) / CELL).astype(int).clip(0, GRID - 1)
     return np.ravel_multi_index(np.moveaxis(layers, -1, 0), (GRID,) * 3)
+
+
+def test_places_are_numbered_by_their_cells_and_beside_the_cube_by_the_nearest():
+    assert (np.abs(PROBES) > HALF_WIDTH).any()
+    np.testing.assert_array_equal(cells(PROBES), numbered(PROBES))
 
 
 def test_best_of_the_sizes_and_shifts_tried_is_that_of_all_looked_up_at_once():
     sizes, shifts = np.array([1.0, 0.8]), RNG.normal(0, 0.5, (5, 3))
     pairs = list(itertools.product(range(2), range(5)))
     turned = PROBES @ TURNS.swapaxes(1, 2)
-    means = np.stack([DISTANCE[cells(sizes[a] * turned + shifts[b])].mean(axis=1) for a, b in pairs], axis=1)
+    means = np.stack(
+        [DISTANCE[numbered(sizes[a] * turned + shifts[b])].mean(axis=1) for a, b in pairs], axis=1
+    )
     least, size, shift = nearest_tried(PROBES, TURNS, sizes, shifts, DISTANCE)
     np.testing.assert_allclose(least, means.min(axis=1), rtol=1e-12)
     assert list(zip(size, shift, strict=True)) == [pairs[best] for best in means.argmin(axis=1)]
@@ -42,9 +50,9 @@ def test_misfit_is_the_distance_from_the_plane_of_the_nearest_landmark_and_a_par
     sizes, shifts = RNG.uniform(0.5, 1.1, 30), RNG.normal(0, 0.3, (30, 3))
     places = sizes[:, None, None] * (PROBES @ TURNS.swapaxes(1, 2)) + shifts[:, None]
     assert (np.abs(places) > HALF_WIDTH).any()
-    landmark = nearest[cells(places)]
+    landmark = nearest[numbered(places)]
     off = np.abs(np.einsum("nki,nki->nk", places - points[landmark], normals[landmark]))
     assert (off < OFF).any()
-    expected = (np.minimum(off, OFF) + NEARNESS * DISTANCE[cells(places)]).mean(axis=1)
+    expected = (np.minimum(off, OFF) + NEARNESS * DISTANCE[numbered(places)]).mean(axis=1)
     found = misfits(PROBES, TURNS, sizes, shifts, points, normals, nearest, DISTANCE)
     np.testing.assert_allclose(found, expected, rtol=1e-12)

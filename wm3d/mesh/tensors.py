@@ -12,8 +12,8 @@ from wm3d.mesh import kernels
 @cache
 def rising(order: int) -> tuple[IntArray, ...]:
     """Return the indices of the different entries of a symmetric tensor, as numpy indexes with them."""
-    rising = list(itertools.combinations_with_replacement(range(3), order))
-    return tuple(np.array(column) for column in zip(*rising, strict=True))
+    entries = itertools.combinations_with_replacement(range(3), order)
+    return tuple(np.array(column) for column in zip(*entries, strict=True))
 
 
 @cache

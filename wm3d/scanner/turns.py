@@ -29,10 +29,10 @@ def turns(count: int) -> FloatArray:
 def apart(ordered: FloatArray, degrees: float, most: int) -> IntArray:
     """Return the places of the first among (k, 3, 3) turns that differ from each other by that angle."""
     chosen: list[int] = []
-    turns = ordered.reshape(len(ordered), 9)
+    flat = ordered.reshape(len(ordered), 9)
     least = 1 + 2 * np.cos(np.radians(degrees))  # tr(RᵀS) = 1 + 2 cos of the angle between R and S
-    free = np.ones(len(turns), dtype=bool)
+    free = np.ones(len(flat), dtype=bool)
     while len(chosen) < most and free.any():
         chosen.append(int(free.argmax()))
-        free &= turns @ turns[chosen[-1]] < least
+        free &= flat @ flat[chosen[-1]] < least
     return np.array(chosen)

@@ -148,7 +148,14 @@ def tolerance_bound(
     ndarray
         √n k is the quantile of the noncentral t law of n − 1 degrees of freedom about √n Φ⁻¹(share)
         (Wallis, Selected Techniques of Statistical Analysis, 1947).
+
+    Raises
+    ------
+    Wm3dError
+        If share or confidence are not in (0, 1).
     """
+    _check_fraction("share", share)
+    _check_fraction("confidence", confidence)
     centre, spread, n = np.broadcast_arrays(*(np.asarray(part, float) for part in (mean, std, trials)))
     enough = n > 1
     root = np.sqrt(np.where(enough, n, 2.0))
@@ -171,6 +178,10 @@ def quoted(events: ArrayLike, trials: ArrayLike) -> FloatArray:
 
 
 def _tail(confidence: float) -> float:
-    if not 0 < confidence < 1:
-        raise Wm3dError(f"The confidence is {confidence}; it must be between 0 and 1, for example 0.95.")
+    _check_fraction("confidence", confidence)
     return (1 - confidence) / 2
+
+
+def _check_fraction(name: str, value: float) -> None:
+    if not 0 < value < 1:
+        raise Wm3dError(f"The {name} is {value}; it must be between 0 and 1, for example 0.95.")

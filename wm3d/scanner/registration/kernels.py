@@ -22,6 +22,15 @@ Vector = tuple[float, float, float]
 
 
 @njit(cache=True)
+def cells(places: FloatArray) -> IntArray:
+    """Numbers of the cells in which (n, 3) places lie, or nearly: (n,)."""
+    numbers = np.empty(len(places), dtype=np.int64)
+    for n in range(len(places)):
+        numbers[n] = _cell((places[n, 0], places[n, 1], places[n, 2]))
+    return numbers
+
+
+@njit(cache=True)
 def nearest_tried(
     probes: FloatArray, turns: FloatArray, sizes: FloatArray, shifts: FloatArray, distance: FloatArray
 ) -> tuple[FloatArray, IntArray, IntArray]:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from wm3d.arrays import BoolArray, FloatArray, IntArray
 from wm3d.scanner.registration import kernels
-from wm3d.scanner.registration.kernels import CELL, GRID, HALF_WIDTH
+from wm3d.scanner.registration.kernels import CELL, GRID
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.surface import POINTS, Surface
 from wm3d.scanner.registration.warp import Warp
@@ -94,7 +94,7 @@ class _Field(NamedTuple):
     @classmethod
     def of(cls, points: FloatArray, normals: FloatArray) -> Self:
         """Look up what is nearest to every cell."""
-        cells = _cells(points)
+        cells = kernels.cells(points)
         landmark = np.full(GRID**3, -1)
         landmark[cells] = np.arange(len(points))
         cube = (landmark < 0).reshape((GRID,) * 3)
@@ -152,10 +152,3 @@ def _improved(places: _Places, probes: FloatArray, field: _Field) -> _Places:
             least = np.minimum(misfit, least)
         places = best
     return places
-
-
-def _cells(places: FloatArray) -> IntArray:
-    """Return the number of the cell in which each of (..., 3) places lies, or nearly."""
-    index = ((places + HALF_WIDTH) / CELL).astype(np.int64).clip(0, GRID - 1)
-    cells: IntArray = index @ np.array([GRID * GRID, GRID, 1])
-    return cells
