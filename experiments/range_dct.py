@@ -35,6 +35,7 @@ CONFIGS = {
         "paper_attacks",
         "other_attacks",
         "slow_attacks",
+        "coarse_buddha",
         "broken_meshes",
         "blocks",
         "distortion",
@@ -45,7 +46,7 @@ CONFIGS = {
 RESULTS = RunDirectory(ROOT / "results" / "range_dct")
 DRAWN = {
     "paper_attacks": ("paper_attacks",),
-    "other_attacks": ("other_attacks", "slow_attacks"),
+    "other_attacks": ("other_attacks", "slow_attacks", "coarse_buddha"),
     "broken_meshes": ("broken_meshes",),
 }
 """Tables that each heat map shows."""

@@ -131,7 +131,7 @@ def test_starts_reach_every_rotation():
     np.testing.assert_allclose(even @ even.swapaxes(1, 2), np.broadcast_to(np.eye(3), even.shape), atol=1e-14)
     drawn = Rotation.random(1000, rng=np.random.default_rng(0)).as_matrix()
     trace = np.einsum("kij,lij->kl", drawn, even).max(axis=1)
-    assert np.degrees(np.arccos((trace - 1) / 2)).max() < 17
+    assert np.degrees(np.arccos((trace - 1) / 2)).max() < 19
 
 
 def relief() -> Mesh:

@@ -77,6 +77,19 @@ def test_registration_undoes_a_similarity_whatever_the_order_of_the_vertices():
     np.testing.assert_allclose(resampled(MESH, moved), MESH.vertices, atol=1e-4)
 
 
+def test_vertices_that_no_face_has_are_neither_here_nor_there():
+    speck = [[9.0, 9.0, 9.0]]
+    dotted = Mesh(np.vstack([MESH.vertices, speck]), MESH.faces, "dotted")
+    np.testing.assert_allclose(resampled(MESH, dotted), MESH.vertices, atol=1e-9)
+    np.testing.assert_allclose(resampled(dotted, MESH), dotted.vertices, atol=1e-9)
+
+
+def test_suspect_without_area_is_refused():
+    line = Mesh(MESH.vertices * [1, 0, 0], MESH.faces[::-1], "line")
+    with pytest.raises(Wm3dError, match=r"^line: its faces have no area, so it cannot be laid"):
+        resampled(MESH, line)
+
+
 @pytest.mark.parametrize(
     ("attack", "least"),
     [

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from scipy.stats import beta
-from shapes import box, icosphere
+from shapes import blob, box, icosphere
 
-from wm3d.mesh import surface_area
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh, surface_area
+from wm3d.schemes import SCHEMES
 from wm3d.schemes.radial import MEAN, VARIANCE, Spread, exponents, kernels
 from wm3d.schemes.radial_area import area_centroid, quantiles
 
@@ -81,10 +83,27 @@ def test_sampled_surface_equals_plain_twin():
 def test_centroid_and_quantiles_are_over_the_area():
     sphere = icosphere(3)
     half = sphere.vertices[sphere.faces].mean(axis=1)[:, 2] > 0
-    cap = type(sphere)(sphere.vertices + 5.0, sphere.faces[half], "cap")
+    cap = Mesh(sphere.vertices + 5.0, sphere.faces[half], "cap")
     # a hemisphere has its centroid at half its radius, up to the ragged border
     np.testing.assert_allclose(area_centroid(cap), [5, 5, 5.5], atol=0.03)
     values = np.random.default_rng(1).permutation(np.arange(1000.0))
     assert quantiles(values, np.ones(1000), (0.1, 0.5)).tolist() == pytest.approx([99.5, 499.5])
     heavy = quantiles(np.array([1.0, 2.0, 3.0]), np.array([1.0, 8.0, 1.0]), (0.5,))
     assert heavy.tolist() == [2.0]
+
+
+def test_area_scheme_refuses_a_surface_that_leaves_bins_empty():
+    blob_ = blob(0, 3)
+    far = 5 * blob_.vertices + [0.1, 0.2, 0.3]
+    shells = Mesh(
+        np.vstack([blob_.vertices, far]), np.vstack([blob_.faces, blob_.faces + len(far)]), "shells"
+    )
+    with pytest.raises(Wm3dError, match=r"^shells: its faces are too large for 64 bins: \d+ bits cannot"):
+        SCHEMES.build("radial-area", {}).embed(shells, 1)
+
+
+def test_area_scheme_refuses_faces_that_take_too_many_samples():
+    needle = blob(0, 4)
+    needle = Mesh(needle.vertices * [1e4, 1, 1], needle.faces, "needle")
+    with pytest.raises(Wm3dError, match=r"^needle: its faces are so long and thin that they take \d+ "):
+        SCHEMES.build("radial-area", {}).embed(needle, 1)

@@ -181,3 +181,9 @@ def test_volumes_of_an_open_mesh_are_closed_by_cones():
     half = Mesh(MESH.vertices, MESH.faces[:-400], "open blob")
     marked, scheme = SCHEME.embed(half, 1)
     assert scheme.score(marked, 1).log10_p < -6
+
+
+def test_a_mesh_on_which_the_deformation_goes_astray_is_refused():
+    half = Mesh(MESH.vertices, MESH.faces[: len(MESH.faces) // 2], "half")
+    with pytest.raises(Wm3dError, match=r"^half: no deformation gives 64 patches their volumes"):
+        SCHEMES.build("wang2011", {}).embed(half, 1)

@@ -13,7 +13,7 @@ from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
 from wm3d.stats import RademacherSum
 
 SHAPING = 0.3
-"""Amplitudes fall with this power of the host's scale: between equal moves (0) and equal contrast (−1)."""
+"""Amplitudes fall with this power of the host's scale over area; with 0, all moves would be equal."""
 
 MOST_AMPLITUDE = 2.0
 """Largest amplitude, over that of the median coefficient."""

@@ -12,6 +12,9 @@ from wm3d.mesh.mesh import Mesh
 LEAST_VOLUME = 1e-12
 """Least volume, relative to the cube of the bounding box's diagonal, that counts as a solid."""
 
+NO_AREA = 1e-12
+"""Area, relative to the square of the diagonal, up to which faces are lines and points."""
+
 
 class VertexMoments(NamedTuple):
     """Mean m (3,) and centered second moments over n, C_v (3, 3), of the vertices; symmetric."""
@@ -48,6 +51,11 @@ def vertex_moments(mesh: Mesh) -> VertexMoments:
 def surface_area(mesh: Mesh) -> float:
     """Return the summed area of all faces, in squared units."""
     return float(kernels.surface_area(mesh.vertices, mesh.faces))
+
+
+def has_area(mesh: Mesh) -> bool:
+    """Tell whether the faces have an area to speak of, beside the square of the diagonal."""
+    return surface_area(mesh) > NO_AREA * mesh.diagonal**2
 
 
 def face_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from wm3d.arrays import FloatArray, IntArray
 
 TURNS = 2000
-"""Rotations among which fits look for their starts; one of them is within 17° of any."""
+"""Rotations among which fits look for their starts; one of them is within 19° of any."""
 
 
 @cache

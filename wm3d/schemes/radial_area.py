@@ -12,7 +12,7 @@ from scipy import sparse
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
-from wm3d.mesh import Mesh, face_areas, sewn, surface_area
+from wm3d.mesh import Mesh, face_areas, has_area, sewn, surface_area
 from wm3d.schemes.radial import MEAN, Moment, RadialScheme, Spread, kernels
 
 SPACING = 0.006
@@ -20,6 +20,9 @@ SPACING = 0.006
 
 MOST_PARTS = 256
 """Parts of an edge at most."""
+
+MOST_POINTS = 10_000_000
+"""Sampled parts of all faces at most: half a gigabyte. Compact shapes have some hundred thousand."""
 
 MOST_LOST = 0.25
 """Share of the bits beyond which a mesh whose faces are too large for the bins is refused."""
@@ -67,10 +70,16 @@ class RadialArea(RadialScheme):
 
     def _surface(self, mesh: Mesh) -> _Surface:
         area = surface_area(mesh)
-        if area <= 1e-12 * mesh.diagonal**2:
+        if not has_area(mesh):
             raise Wm3dError(f"{mesh.name}: its faces have no area, over which this scheme takes its means.")
         center = area_centroid(mesh)
         parts = kernels.cuts(mesh.vertices, mesh.faces, SPACING * np.sqrt(area), MOST_PARTS)
+        points = int((parts**2).sum())
+        if points > MOST_POINTS:
+            raise Wm3dError(
+                f"{mesh.name}: its faces are so long and thin that they take {points} sample points, "
+                f"more than {MOST_POINTS}; remesh it to rounder faces, or use another scheme."
+            )
         radii, areas, face, shares = kernels.samples(mesh.vertices, mesh.faces, parts, center)
         low, high = quantiles(radii, areas, (self.tail, 1 - self.tail))
         if high - low <= 1e-3 * high:
@@ -122,13 +131,15 @@ def _jacobian(mesh: Mesh, surface: _Surface, means: FloatArray) -> sparse.csr_ar
     across = (spread.radii - spread.low) / width
     index, border = np.floor(across).astype(np.int64), np.rint(across).astype(np.int64)
     density = (np.abs(across - border) < _BORDER) / (2 * _BORDER)
+    filled = spread.counts > 0
     rows, values, points = [], [], []
     for bin_of, change in (
         (index, np.ones(len(across))),
         (border - 1, -(1 - means)[np.clip(border - 1, 0, bins - 1)] * density),
         (border, -means[np.clip(border, 0, bins - 1)] * density),
     ):
-        point = np.flatnonzero((bin_of >= 0) & (bin_of < bins) & (change != 0))
+        inside = (bin_of >= 0) & (bin_of < bins)
+        point = np.flatnonzero(inside & (change != 0) & filled[np.clip(bin_of, 0, bins - 1)])
         rows.append(bin_of[point])
         values.append(change[point] * spread.weights[point] / spread.counts[bin_of[point]] / width)
         points.append(point)

@@ -47,7 +47,7 @@ def caps(corners: IntArray, sides: Sides, points: FloatArray) -> IntArray:
     order = np.lexsort((end, start))
     start, end = start[order], end[order]
     length = np.linalg.norm(points[along[start]] - points[along[end]], axis=1)
-    longest = LONGEST * float(np.linalg.norm(np.ptp(points[np.unique(corners)], axis=0)))
+    longest = LONGEST * float(np.linalg.norm(np.ptp(points[corners.ravel()], axis=0)))
     ranks, numbers = np.unique(np.concatenate([start, end]), return_inverse=True)
     first = np.searchsorted(numbers[: len(rim)], np.arange(len(ranks) + 1))
     covers, loop = hole_caps(numbers[len(rim) :], length, first, MOST_SIDES, longest)

@@ -4,6 +4,7 @@ import numpy as np
 from scipy import sparse
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, volume_moments
 from wm3d.schemes.patches.frame import Frame
 from wm3d.schemes.patches.grid import Patches
@@ -35,6 +36,11 @@ def deformed(mesh: Mesh, frame: Frame, patches: Patches, chosen: IntArray, targe
         Numbers of patches.
     target : (c,) ndarray
         Their volumes, in units of the mean over all patches.
+
+    Raises
+    ------
+    Wm3dError
+        If Newton's method goes astray, as on surfaces with large holes, where the frame hangs on few patches.
     """
     posed = frame.posed(mesh)
     across = posed.copy()
@@ -45,19 +51,30 @@ def deformed(mesh: Mesh, frame: Frame, patches: Patches, chosen: IntArray, targe
     norm = (weighed.T @ weighed).toarray()
     norm[np.diag_indices_from(norm)] += _RIDGE * max(np.trace(norm), 1e-300)
     start = _global(mesh, frame)
-    coefficients, marked = np.zeros(masks.shape[1]), mesh
-    for _ in range(STEPS):
+
+    def amiss(marked: Mesh) -> FloatArray:
         missed = target - patches.volumes(marked, frame)[chosen]
-        drift = start - _global(marked, frame)
-        if max(np.abs(missed).max(), np.abs(drift).max()) <= TOLERANCE:
+        return np.concatenate([missed, start - _global(marked, frame)])
+
+    coefficients, marked = np.zeros(masks.shape[1]), mesh
+    left = amiss(marked)
+    asked = np.abs(left).max()
+    for _ in range(STEPS):
+        if np.abs(left).max() <= TOLERANCE:
             break
         growth = _growth(frame.posed(marked), across, mesh)
         jacobian = _jacobian(frame.posed(marked), growth, masks, index, frame, patches, chosen)
         spread = np.linalg.solve(norm, jacobian.T)
-        step, *_ = np.linalg.lstsq(jacobian @ spread, np.concatenate([missed, drift]), rcond=1e-12)
+        step, *_ = np.linalg.lstsq(jacobian @ spread, left, rcond=1e-12)
         coefficients += spread @ step
         moves = across * (masks @ coefficients)[:, None]
         marked = mesh.with_vertices(mesh.vertices + moves @ frame.axes)
+        left = amiss(marked)
+    if not np.abs(left).max() <= asked:
+        raise Wm3dError(
+            f"{mesh.name}: no deformation gives {len(chosen)} patches their volumes and keeps the frame; use "
+            "fewer bits, a smaller step, or a mesh without large holes."
+        )
     return marked
 
 

@@ -6,7 +6,8 @@ from trimesh.registration import procrustes
 from trimesh.transformations import transform_points
 
 from wm3d.arrays import FloatArray
-from wm3d.mesh import Mesh, face_areas
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh, face_areas, has_area
 from wm3d.metrics.surface.nearest import Nearest, Surface
 
 ITERATIONS = 30
@@ -29,10 +30,16 @@ def resampled(original: Mesh, suspect: Mesh) -> FloatArray:
     -------
     (n, 3) ndarray
         The original vertex itself where it has no counterpart, as where a part was cut away.
+
+    Raises
+    ------
+    Wm3dError
+        If the suspect's faces have no area, so that there is nothing to register.
     """
-    if suspect.faces.shape == original.faces.shape and (suspect.faces == original.faces).all():
-        used = np.unique(original.faces)
-        return _apply(_similarity(suspect.vertices[used], original.vertices[used]), suspect.vertices)
+    if np.array_equal(suspect.faces, original.faces):
+        return _vertex_by_vertex(original, suspect)
+    if not has_area(suspect):
+        raise Wm3dError(f"{suspect.name}: its faces have no area, so it cannot be laid on the original.")
     origin, unit = original.middle, original.diagonal
     mine = (original.vertices - origin) / unit
     center, size = suspect.middle, suspect.diagonal
@@ -51,6 +58,14 @@ def resampled(original: Mesh, suspect: Mesh) -> FloatArray:
     lost = found.distance > _LOST * np.median(found.distance)
     back[lost] = mine[lost]
     found_at: FloatArray = back * unit + origin
+    return found_at
+
+
+def _vertex_by_vertex(original: Mesh, suspect: Mesh) -> FloatArray:
+    used = np.flatnonzero(original.used)  # the two may have any number of others
+    pose = _similarity(suspect.vertices[used], original.vertices[used])
+    found_at = original.vertices.copy()
+    found_at[used] = _apply(pose, suspect.vertices[used])
     return found_at
 
 
