@@ -60,8 +60,8 @@ def log10_tail(b: ArrayLike, z: float | FloatArray) -> float | FloatArray:
 
     The saddlepoint treats the sum as continuous: where many weights share few values, P(sum = z) is not
     small beside the tail, and the result falls short of P(sum ≥ z) by about half of that atom: to 0.64 of it
-    for 257 equal weights, but for rounding, at z = 7, and to 0.31 at P = 3e-8 where thirty equal weights among
-    330 carry nearly all, none of which is large enough to be taken out.
+    for 257 equal weights, but for rounding, at z = 7, and to 0.31 at P = 3e-8 where thirty equal weights
+    among 330 carry nearly all, none of which is large enough to be taken out.
 
     Ties count as exceedances; sums within 10⁻¹² of Σ|b| of each other are ties.
     """
