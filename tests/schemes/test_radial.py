@@ -93,11 +93,10 @@ def test_centroid_and_quantiles_are_over_the_area():
 
 
 def test_area_scheme_refuses_a_surface_that_leaves_bins_empty():
-    blob_ = blob(0, 3)
-    far = 5 * blob_.vertices + [0.1, 0.2, 0.3]
-    shells = Mesh(
-        np.vstack([blob_.vertices, far]), np.vstack([blob_.faces, blob_.faces + len(far)]), "shells"
-    )
+    inner = blob(0, 3)
+    outer = 5 * inner.vertices + [0.1, 0.2, 0.3]
+    faces = np.vstack([inner.faces, inner.faces + len(outer)])
+    shells = Mesh(np.vstack([inner.vertices, outer]), faces, "shells")
     with pytest.raises(Wm3dError, match=r"^shells: its faces are too large for 64 bins: \d+ bits cannot"):
         SCHEMES.build("radial-area", {}).embed(shells, 1)
 

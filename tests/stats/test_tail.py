@@ -89,6 +89,22 @@ def test_grid_and_saddlepoint_agree_on_300_signs(heavy, rng):
     np.testing.assert_allclose(log10_tail(b, z), grid_log10(a, z), atol=0.05)
 
 
+def test_heavy_weights_are_averaged_over(rng):
+    b = np.append(rng.uniform(0.5, 1, 297), [100.0, 50.0, 50.0])
+    a, z = unit_weights(b), np.linspace(-1.5, 1.5, 25)
+    truth = grid_log10(a, z)
+    np.testing.assert_allclose(log10_tail(b, z), truth, atol=0.08)
+    assert np.abs(saddlepoint_log10(b, z) - truth).max() > 0.12  # of the sum as a whole
+
+
+def test_tail_of_clustered_weights_falls_short_by_no_more_than_is_said():
+    b = np.append(np.ones(30), np.full(300, 1e-5))
+    down = np.arange(1, 9)  # of the thirty
+    z = (30 - 2 * down - 0.01) / np.linalg.norm(b)
+    short = 10 ** (log10_tail(b, z) - binom.logcdf(down, 30, 0.5) / math.log(10))
+    assert short.min() == pytest.approx(0.31, abs=0.005)
+
+
 def test_equal_weights_are_binomial_at_any_length():
     n, down = 6300, np.array([6300, 3500, 3150, 3000, 2800, 2500])
     z = (n - 2 * down) / math.sqrt(n)
