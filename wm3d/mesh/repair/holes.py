@@ -51,8 +51,10 @@ def caps(corners: IntArray, sides: Sides, points: FloatArray) -> IntArray:
     ranks, numbers = np.unique(np.concatenate([start, end]), return_inverse=True)
     first = np.searchsorted(numbers[: len(rim)], np.arange(len(ranks) + 1))
     covers, loop = hole_caps(numbers[len(rim) :], length, first, MOST_SIDES, longest)
-    covers = along[ranks[covers]]
+    if len(covers) == 0:
+        return np.empty((0, 3), dtype=np.int64)
 
+    covers = along[ranks[covers]]
     part = _parts(corners, len(points))
     whole = np.bincount(part[corners[:, 0]], face_areas(points, corners), part.max() + 1)
     cover = np.bincount(loop, face_areas(points, covers))

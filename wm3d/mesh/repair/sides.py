@@ -43,6 +43,11 @@ class Sides(NamedTuple):
         """How much more often faces run up each edge than down: (e,); 0 throughout on a closed surface."""
         return np.bincount(self.edges.ravel(), self.direction.ravel(), len(self.ends)).astype(np.int64)
 
+    @property
+    def at_variance(self) -> bool:
+        """Whether two faces that are alone at an edge run through it in one direction."""
+        return bool(((self.uses == 2) & (np.abs(self.net) == 2)).any())
+
     def turned(self, turns: IntArray) -> "Sides":
         """Return the sides without the faces where ``turns`` (m,) is 0, and with those turned where −1."""
         kept = turns != 0

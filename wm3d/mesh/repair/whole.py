@@ -27,7 +27,8 @@ def whole_surface(mesh: Mesh) -> Mesh:
     faces = mesh.faces[first_of_each(mesh)] if doubled else mesh.faces
     first, place = places(mesh.vertices)
     sides = Sides.of(place[faces])
-    faces, sides = _turned(faces, sides, winding_turns(sides, _cones(mesh, faces)))
+    if sides.at_variance:
+        faces, sides = _turned(faces, sides, winding_turns(sides, _cones(mesh, faces)))
     faces, sides = _turned(faces, sides, flap_turns(sides))
     covers = caps(place[faces], sides, mesh.vertices[first])
     if len(covers):
