@@ -18,7 +18,6 @@ from wm3d.stats import (
     exceedances,
     gaussian_pd,
     roc,
-    summarize,
     swept_roc,
 )
 
@@ -132,15 +131,3 @@ def test_one_trial_makes_a_step():
     curve = roc([-7.0], [-8.0, -7.0, -6.0])
     assert curve.pd.tolist() == [0.0, 1.0, 1.0]
     assert curve.low[1] == pytest.approx(0.025)
-
-
-def test_summary_has_the_numbers_of_a_table_row():
-    summary = summarize([-13.0, -7.0, -2.0, -9.0], [7.4, 5.2, 2.3, 6.0])
-    assert summary.trials == 4
-    assert summary.d_prime == pytest.approx(5.225)
-    assert summary.at.log10_pf.tolist() == [-3.0, -6.0, -8.0, -12.0]
-    assert summary.at.pd.tolist() == [0.75, 0.75, 0.5, 0.25]
-    assert summary.auc == pytest.approx(1 - 0.01 / 4, abs=1e-6)
-    assert summary.eer == 0.01
-    with pytest.raises(Wm3dError, match="same trials"):
-        summarize([-1.0], [1.0, 2.0])

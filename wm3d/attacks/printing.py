@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from wm3d.attacks.base import Attack
 from wm3d.attacks.deformation import Axis
-from wm3d.attacks.smoothing import smoothed
+from wm3d.attacks.smoothing import LIRIS_WEIGHT, smoothed
 from wm3d.mesh import Mesh, sewn, vertex_normals
 
 
@@ -58,7 +58,7 @@ class PrintScan(Attack):
         surface, place = sewn(mesh)
         noise = rng.standard_normal(surface.vertices.shape)
         direction, angle = rng.standard_normal(3), rng.uniform(0, self.tilt_degrees)
-        scan = smoothed(self._printed(surface), (SMOOTHING_WEIGHT,) * self.smoothing)
+        scan = smoothed(self._printed(surface), (LIRIS_WEIGHT,) * self.smoothing)
         vertices = scan.vertices + noise * (self.noise_percent / 100 * mesh.diagonal)
         if self.tilt_degrees > 0:
             turn = Rotation.from_rotvec(angle * direction / np.linalg.norm(direction), degrees=True)
@@ -76,7 +76,3 @@ class PrintScan(Attack):
         height = mesh.vertices[:, k] - mesh.vertices[:, k].min()
         above_middle = height - layer * (np.floor(height / layer) + 0.5)
         return mesh.with_vertices(mesh.vertices + (above_middle * normals[:, k])[:, None] * normals)
-
-
-SMOOTHING_WEIGHT = 0.1
-"""λ of the smoothing steps: that of the LIRIS benchmark."""

@@ -9,6 +9,9 @@ from wm3d.attacks.base import Attack
 from wm3d.attacks.surface import neighbour_mean
 from wm3d.mesh import Mesh, sewn
 
+LIRIS_WEIGHT = 0.1
+"""λ of the steps of the LIRIS benchmark."""
+
 
 class LaplacianSmoothing(Attack):
     """Steps of every vertex towards the mean of its neighbours, all at once.
@@ -29,7 +32,7 @@ class LaplacianSmoothing(Attack):
     neutral: ClassVar[dict[str, float]] = {"iterations": 0}
 
     iterations: Annotated[int, Field(ge=0)] = 50
-    weight: Annotated[float, Field(ge=0, le=1)] = 0.1
+    weight: Annotated[float, Field(ge=0, le=1)] = LIRIS_WEIGHT
 
     def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (nothing is random)
         """Return the smoothed mesh; see `Attack`."""

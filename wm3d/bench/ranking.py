@@ -17,10 +17,10 @@ SEED = 2002
 
 METHOD = (
     "The score is Pd, averaged over attacks and then over meshes. Its 95 % interval and that of the rank are "
-    "percentiles over 10 000 draws of the meshes with replacement, the same draws for every scheme: they "
-    "tell how much hangs on the choice of meshes, not on that of keys. A scheme that cannot meet the budget "
-    "on a mesh, or on which an attack failed there with every key, has a score on the others and no rank. "
-    "The strength is set with one key on each mesh; other keys may come out fainter or louder."
+    f"percentiles over {RESAMPLES:,} draws of the meshes with replacement, the same draws for every scheme: "
+    "they tell how much hangs on the choice of meshes, not on that of keys. A scheme that cannot meet the "
+    "budget on a mesh, or on which an attack failed there with every key, has a score on the others and no "
+    "rank. The strength is set with one key on each mesh; other keys may come out fainter or louder."
 )
 """What a reader must know under a ranking."""
 

@@ -19,6 +19,9 @@ Sigmas = Mapping[str, Mapping[str, float]]
 FLIPPED_DEG = 90.0
 """An axis that turned further than this changed its sign."""
 
+NULL_PF = 0.01
+"""False-alarm probability at which the alarms of true nulls are counted."""
+
 NULL_LEVEL = 0.01
 """Probability that any line of a table of true nulls is called a departure."""
 
@@ -161,7 +164,7 @@ def _null_row(group: pd.DataFrame) -> Line:
     scored = group[group["log10_p"].notna()]
     read = scored[(scored["z"] != 0) | (scored["log10_p"] != 0)]  # without evidence z = 0 and p = 1
     z, p = read["z"].to_numpy(), 10 ** read["log10_p"].to_numpy()
-    alarms = int((p <= 0.01).sum())
+    alarms = int((p <= NULL_PF).sum())
     band = clopper_pearson(alarms, len(p))
     return {
         "trials": len(p),
@@ -170,9 +173,9 @@ def _null_row(group: pd.DataFrame) -> Line:
         "z_var": z.var(ddof=1) if len(z) > 1 else np.nan,
         "ks_p": kstest(p, "uniform").pvalue if len(p) else np.nan,
         "alarms": alarms,
-        "pf_0.01": alarms / len(p) if len(p) >= QUOTABLE_COUNT / 0.01 else np.nan,
-        "pf_0.01_low": float(band.low),
-        "pf_0.01_high": float(band.high),
+        f"pf_{NULL_PF}": alarms / len(p) if len(p) >= QUOTABLE_COUNT / NULL_PF else np.nan,
+        f"pf_{NULL_PF}_low": float(band.low),
+        f"pf_{NULL_PF}_high": float(band.high),
     }
 
 
@@ -182,11 +185,11 @@ def _null_verdict(line: Line, tests: int) -> str:
         return "nothing was read"
     level = NULL_LEVEL / tests
     band = clopper_pearson(line["alarms"], trials, 1 - level)
-    count = f"{line['alarms']} of {trials} p ≤ 0.01"
+    count = f"{line['alarms']} of {trials} p ≤ {NULL_PF}"
     faults = []
     if line["ks_p"] < level:
         faults.append(f"p is not uniform (KS p = {line['ks_p']:.1e})")
-    if not band.low <= 0.01 <= band.high:
+    if not band.low <= NULL_PF <= band.high:
         faults.append(count)
     if faults:
         return "departs from the key null: " + " and ".join(faults)

@@ -6,9 +6,7 @@ from wm3d.stats.intervals import Interval, clopper_pearson, korn_graubard, quote
 from wm3d.stats.montecarlo import Exceedances, hadamard_keys, independent_keys
 from wm3d.stats.rademacher import DEFAULT_PF, RademacherSum, Score, key_signs, key_signs_batch
 from wm3d.stats.roc import (
-    QUOTED_LOG10_PF,
     RocCurve,
-    RocSummary,
     auc,
     auc_two_sample,
     d_prime,
@@ -17,7 +15,6 @@ from wm3d.stats.roc import (
     exceedances,
     gaussian_pd,
     roc,
-    summarize,
     swept_roc,
 )
 from wm3d.stats.saddlepoint import saddlepoint_log10
@@ -25,14 +22,12 @@ from wm3d.stats.tail import hoeffding_log10, log10_tail, z_at
 
 __all__ = [
     "DEFAULT_PF",
-    "QUOTED_LOG10_PF",
     "Exceedances",
     "FalseAlarm",
     "ImportanceEstimate",
     "Interval",
     "RademacherSum",
     "RocCurve",
-    "RocSummary",
     "Score",
     "auc",
     "auc_two_sample",
@@ -55,7 +50,6 @@ __all__ = [
     "roc",
     "saddlepoint_log10",
     "student_t",
-    "summarize",
     "swept_roc",
     "tolerance_bound",
     "z_at",

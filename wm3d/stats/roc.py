@@ -11,9 +11,6 @@ from wm3d.errors import Wm3dError
 from wm3d.stats.intervals import DEFAULT_CONFIDENCE, clopper_pearson, quoted
 from wm3d.stats.saddlepoint import LN10
 
-QUOTED_LOG10_PF = (-3.0, -6.0, -8.0, -12.0)
-"""Where tables give Pd: log10 of the false-alarm probabilities."""
-
 
 def exceedances(scores: ArrayLike, thresholds: ArrayLike) -> IntArray:
     """Count the scores that are at least each threshold: the one primitive under every curve here.
@@ -235,47 +232,3 @@ def eer_two_sample(h1: ArrayLike, h0: ArrayLike) -> float:
     thresholds = _sweep(h1, h0)
     missed = 1 - exceedances(h1, thresholds) / n1
     return float(np.maximum(missed, exceedances(h0, thresholds) / n0).min())
-
-
-@dataclass(frozen=True, eq=False)
-class RocSummary:
-    """The numbers of one table row.
-
-    Parameters
-    ----------
-    trials : int
-        H1 trials.
-    d_prime, auc, eer : float
-        As the functions of these names define them.
-    at : RocCurve
-        Pd with its band at `QUOTED_LOG10_PF`.
-    """
-
-    trials: int
-    d_prime: float
-    auc: float
-    eer: float
-    at: RocCurve
-
-
-def summarize(log10_p: ArrayLike, z: ArrayLike, confidence: float = DEFAULT_CONFIDENCE) -> RocSummary:
-    """Return the summary of H1 trials that carry exact p-values.
-
-    Parameters
-    ----------
-    log10_p, z : (n,) array_like of float
-        The p-values and standardized scores of the same trials.
-    confidence : float
-        Coverage of the band.
-
-    Raises
-    ------
-    Wm3dError
-        If there are not as many p-values as scores.
-    """
-    if np.size(log10_p) != np.size(z):
-        raise Wm3dError(
-            f"Got {np.size(log10_p)} p-values for {np.size(z)} scores; they must be the same trials."
-        )
-    curve = roc(log10_p, QUOTED_LOG10_PF, confidence)
-    return RocSummary(curve.trials, d_prime(z), auc(log10_p), eer(log10_p), curve)
