@@ -1,6 +1,9 @@
 """Fixtures that many tests share: the bundled bunny and the real meshes of WM3D_DATA."""
 
 import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: a thread for each worker of the tests
+
 from collections.abc import Callable
 from pathlib import Path
 
