@@ -16,7 +16,7 @@ from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, Future
 
 PATIENCE = 60.0
 """Seconds without any worker after which a run gives up."""
@@ -38,37 +38,19 @@ def on_cluster(
     """
     client = _client(address)
     import dask
-    from distributed import KilledWorker, as_completed
 
     def run(tasks: list[Task]) -> Iterator[tuple[Task, dict[str, pd.DataFrame]]]:
         futures = {
             client.submit(work, {name: held[name] for name in task.meshes}, task, pure=False): task
             for task in tasks
         }
-        while futures:
-            try:
-                for future in as_completed(list(futures), loop=client.loop, timeout=PATIENCE):
-                    task = futures.pop(future)
-                    try:
-                        rows = future.result()
-                    except KilledWorker:
-                        continue
-                    except (ImportError, RuntimeError) as error:
-                        if isinstance(error, RuntimeError) and "deserialization" not in str(error):
-                            raise
-                        raise Wm3dError(
-                            f"--dask {address}: the scheduler or a worker lacks a package that is installed "
-                            "here; both need wm3d and its plug-ins."
-                        ) from error
-                    else:
-                        yield task, rows
-            except TimeoutError:
-                if not client.scheduler_info()["workers"]:
-                    raise Wm3dError(
-                        f"--dask {address}: no worker is left; start some and run again."
-                    ) from None
-            except CancelledError:
-                raise Wm3dError(f"--dask {address}: the scheduler is gone; run again.") from None
+        try:
+            for future in _finished(client, set(futures), address):
+                task, rows = futures.pop(future), _rows(future, address)
+                if rows is not None:
+                    yield task, rows
+        except CancelledError:
+            raise Wm3dError(f"--dask {address}: the scheduler is gone; run again.") from None
 
     with client:
         try:
@@ -79,6 +61,38 @@ def on_cluster(
         with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GiB"}):
             held = {name: client.submit(_hold, mesh, pure=False) for name, mesh in meshes.items()}
         yield run
+
+
+def _finished(client: "Client", left: "set[Future]", address: str) -> "Iterator[Future]":
+    """Yield the futures, and forget them, as they are finished; for as long as the cluster has a worker."""
+    from distributed import as_completed
+
+    while left:
+        try:
+            for future in as_completed(list(left), loop=client.loop, timeout=PATIENCE):
+                left.remove(future)
+                yield future
+        except TimeoutError:
+            if not client.scheduler_info()["workers"]:
+                raise Wm3dError(f"--dask {address}: no worker is left; start some and run again.") from None
+
+
+def _rows(future: "Future", address: str) -> dict[str, pd.DataFrame] | None:
+    """Return what a task made; None if its workers died."""
+    from distributed import KilledWorker
+
+    try:
+        rows: dict[str, pd.DataFrame] = future.result()
+    except KilledWorker:
+        return None
+    except (ImportError, RuntimeError) as error:
+        if isinstance(error, RuntimeError) and "deserialization" not in str(error):
+            raise
+        raise Wm3dError(
+            f"--dask {address}: the scheduler or a worker lacks a package that is installed here; both need "
+            "wm3d and its plug-ins."
+        ) from error
+    return rows
 
 
 def check_scheduler(address: str) -> None:
