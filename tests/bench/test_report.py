@@ -16,7 +16,7 @@ import pytest
 from shapes import icosphere, tetrahedron
 
 from wm3d.attacks import ATTACKS
-from wm3d.bench import load_experiment, write_report
+from wm3d.bench import load_experiment, run_config, write_report
 from wm3d.bench.columns import TRIALS
 from wm3d.bench.curves import roc_figure
 from wm3d.bench.manifest import manifest
@@ -25,6 +25,7 @@ from wm3d.bench.readings import readings
 from wm3d.bench.store import RunDirectory
 from wm3d.bench.summary import print_summary
 from wm3d.errors import Wm3dError
+from wm3d.mesh import save_mesh
 from wm3d.schemes import SCHEMES
 
 CONFIG = """
@@ -182,8 +183,24 @@ def test_names_are_text_and_never_markup(tmp_path: Path) -> None:
 
 
 def test_the_terminal_names_a_mesh_as_it_is_named(tmp_path: Path, capsys) -> None:
-    print_summary(write_report(made_up_run(tmp_path, mesh="NA").path).tables, tmp_path)
+    print_summary(write_report(made_up_run(tmp_path, mesh="NA").path).tables, tmp_path, refused={})
     assert capsys.readouterr().out.startswith("NA, song2002\n attack")  # pandas reads "NA" as nothing
+
+
+def test_page_and_terminal_say_why_a_scheme_marked_a_mesh_with_no_key(tmp_path: Path, capsys) -> None:
+    save_mesh(icosphere(3), tmp_path / "ball.ply")
+    config = tmp_path / "ball.yaml"
+    config.write_text(
+        f"name: ball\ncases: [{{meshes: [{tmp_path / 'ball.ply'}], schemes: [{{name: range-dct}}]}}]\n"
+        "trials: 1\nattacks: [{name: clean}]\n"
+    )
+    run_config(config, out=tmp_path / "run", workers=1)
+    said = capsys.readouterr().out
+    text = Page((tmp_path / "run" / "report.html").read_text()).text
+    for words in (said, text):
+        assert "ball: looks the same, or nearly, from all sides" in words
+    assert "No mesh could be marked with range-dct" in text
+    assert "No key of so few signs" not in text
 
 
 def test_report_is_the_same_bytes_each_time(run: RunDirectory) -> None:

@@ -6,7 +6,7 @@ import pytest
 from scipy.stats import norm, ttest_1samp
 
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
-from wm3d.bench.summary import BEYOND, FAILED, FOUND, GONE, verdict
+from wm3d.bench.summary import BEYOND, FAILED, FOUND, GONE, REFUSED, verdict
 from wm3d.bench.tables import NULL_LEVEL, all_tables, counted, detection, nulls, swept
 from wm3d.stats import clopper_pearson
 
@@ -56,6 +56,24 @@ def test_a_pf_that_no_key_of_so_few_signs_reaches_is_no_loss():
     ):
         (line,) = detection(rows, PF).to_dict("records")
         assert verdict(line, pf) == word
+
+
+def test_a_mesh_that_was_never_marked_is_refused_and_one_that_cannot_be_read_has_lost_its_mark():
+    unread = frame([0.0, 0.0], log10_p=0.0)
+    refused = frame([0.0, 0.0], log10_p=0.0, snr_db=np.nan)
+    unread["error"], refused["error"] = "m: bounds no solid.", "not marked: m: is round."
+    for rows, count, word in ((unread, 0, GONE), (refused, 2, REFUSED)):
+        (line,) = detection(rows, PF).to_dict("records")
+        assert (line["trials"], line["unreadable"], line["refused"]) == (2, 2, count)
+        assert np.isnan(line["log10_pf_least"])
+        assert verdict(line, 1e-6) == word
+
+
+def test_pf_in_reach_is_told_by_the_meshes_that_could_be_read():
+    rows = frame([0.0, 0.0, 5.0], log10_p=[0.0, 0.0, -7.0], log10_p_least=[0.0, 0.0, -80.0])
+    rows.loc[:1, "error"] = "m: bounds no solid."
+    (line,) = detection(rows, PF).to_dict("records")
+    assert verdict(line, 1e-6) == GONE
 
 
 def test_d_prime_is_the_mean_of_z_with_the_interval_of_the_t_test():

@@ -33,6 +33,8 @@ class Case:
     mesh: str
     scheme: str
     findings: list[Finding]
+    refusal: str
+    """Why the scheme marked the mesh with no key; empty if it did with some."""
 
     def having(self, verdict: str) -> list[Finding]:
         """Return the findings of a verdict."""
@@ -46,10 +48,15 @@ class Case:
         return list(groups.values())
 
 
-def cases(detection: pd.DataFrame, pf: float) -> list[Case]:
-    """Return what the detection table says at one of its Pf."""
+def cases(detection: pd.DataFrame, pf: float, refused: Mapping[tuple[str, str], str]) -> list[Case]:
+    """Return what the detection table says at one of its Pf, and what was refused (`refusals`)."""
     return [
-        Case(str(mesh), str(scheme), [_finding(line, pf) for line in group.to_dict("records")])
+        Case(
+            str(mesh),
+            str(scheme),
+            [_finding(line, pf) for line in group.to_dict("records")],
+            refused.get((str(mesh), str(scheme)), ""),
+        )
         for (mesh, scheme), group in detection.groupby(["mesh", "scheme"], sort=False)
     ]
 

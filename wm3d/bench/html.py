@@ -17,7 +17,7 @@ from wm3d.bench.curves import LEAST_LOG10_PF
 from wm3d.bench.figures import power_of_ten
 from wm3d.bench.htmltables import HtmlTable, html_table, short_power, shortener
 from wm3d.bench.readings import readings
-from wm3d.bench.summary import DETECTED, LOST, quoted_pf
+from wm3d.bench.summary import DETECTED, LOST, quoted_pf, refusals
 from wm3d.bench.tables import CELL_KEYS
 
 HYPOTHESES = {
@@ -62,6 +62,8 @@ def render(run: Run) -> str:
     """Return the report of a run; the same run gives the same text."""
     experiment = run.experiment
     pf = quoted_pf(experiment.pf)
+    cases = findings.cases(run.tables["detection"], pf, refusals(run.rows))
+    marked = dict.fromkeys(case.mesh for case in cases if not case.refusal)
     schemes = dict.fromkeys(scheme for case in experiment.cases for scheme in case.schemes)
     return (
         _environment()
@@ -76,8 +78,8 @@ def render(run: Run) -> str:
             least_log10_pf=LEAST_LOG10_PF,
             detected=DETECTED,
             lost=LOST,
-            marked={name: run.manifest["meshes"][name] for case in experiment.cases for name in case.meshes},
-            cases=findings.cases(run.tables["detection"], pf),
+            marked={name: run.manifest["meshes"][name] for name in marked},
+            cases=cases,
             statistics=findings.statistics(experiment),
             null_scores=findings.null_scores(run.rows),
             departures=findings.departures(run.tables["nulls"]),
@@ -119,7 +121,7 @@ def _leaderboard(tables: Mapping[str, pd.DataFrame]) -> HtmlTable | None:
 def _stages(timing: pd.DataFrame) -> list[dict[str, Any]]:
     """Lines of the bar chart of times: seconds of each stage, and their share of the longest line."""
     stages = [str(column) for column in timing.columns if str(column).endswith("_seconds")]
-    longest = timing[stages].sum(axis=1).max()
+    longest = timing[stages].sum(axis=1).max() or 1.0  # nothing took time where every mesh was refused
     short = shortener(pd.Series([longest]))
     telling = [key for key in CELL_KEYS if key == "attack" or timing[key].nunique() > 1]
     lines = []

@@ -19,7 +19,7 @@ from wm3d.bench.leaderboard import leaderboard
 from wm3d.bench.quality import quality_figure
 from wm3d.bench.ranking import over_meshes, ranking
 from wm3d.bench.store import RunDirectory, report_files
-from wm3d.bench.summary import left_out, quoted_pf
+from wm3d.bench.summary import left_out, quoted_pf, refusals
 from wm3d.bench.tables import Sigmas, all_tables
 from wm3d.errors import Wm3dError
 
@@ -39,11 +39,14 @@ class Report:
         Trials whose attack failed.
     tables : dict of str to DataFrame
         The tables by name.
+    refused : dict of (str, str) to str
+        `wm3d.bench.summary.refusals`.
     """
 
     page: Path
     failed: int
     tables: dict[str, pd.DataFrame]
+    refused: dict[tuple[str, str], str]
 
 
 def write_report(run_dir: str | Path) -> Report:
@@ -90,7 +93,8 @@ def write_report(run_dir: str | Path) -> Report:
     )
     directory.write_text("report.html", render(run))
     directory.drop_report(keep=report_files(tables, drawn))
-    return Report(directory.path / "report.html", int(rows["log10_p"].isna().sum()), tables)
+    failed = int(rows["log10_p"].isna().sum())
+    return Report(directory.path / "report.html", failed, tables, refusals(rows))
 
 
 def _read_calibration(directory: RunDirectory, manifest: Mapping[str, Any]) -> pd.DataFrame:

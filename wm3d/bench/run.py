@@ -101,7 +101,7 @@ def run_config(
         lost_trials = sum(cell.trials for cell in lost)
         directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost_trials))
         report = write_report(directory.path)
-        print_summary(report.tables, directory.path)
+        print_summary(report.tables, directory.path, report.refused)
     return Outcome(directory.path, lost_trials + report.failed)
 
 

@@ -19,6 +19,9 @@ DETECTED, LOST = 0.99, 0.5
 """Pd from which a mark counts as surviving an attack, and below which it counts as lost."""
 
 FOUND, AT_TIMES, GONE, FAILED = "found", "found at times", "lost", "failed"
+REFUSED = "refused"
+"""The scheme refused to mark the mesh, with every key."""
+
 BEYOND = "out of reach"
 """No key of so few signs has so small a false-alarm probability."""
 
@@ -39,12 +42,27 @@ def verdict(line: Mapping[Any, Any], pf: float) -> str:
     share = line[f"pd_{pf:g}"]
     if not line["trials"]:
         return FAILED
+    if line["refused"] == line["trials"]:
+        return REFUSED
     if line["log10_pf_least"] > math.log10(pf):
         return BEYOND
     return FOUND if share >= DETECTED else GONE if share < LOST else AT_TIMES
 
 
-def print_summary(tables: Mapping[str, pd.DataFrame], directory: Path) -> None:
+def refusals(rows: pd.DataFrame) -> dict[tuple[str, str], str]:
+    """Return why a scheme marked a mesh with no key at all, by mesh and scheme: what it said first."""
+    trials = rows[(rows["hypothesis"] == "H1") & rows["log10_p"].notna()]
+    groups = trials.groupby(["mesh", "scheme"], sort=False)
+    return {
+        (str(mesh), str(scheme)): str(group["error"].iloc[0])
+        for (mesh, scheme), group in groups
+        if group["snr_db"].isna().all()
+    }
+
+
+def print_summary(
+    tables: Mapping[str, pd.DataFrame], directory: Path, refused: Mapping[tuple[str, str], str]
+) -> None:
     """Print Pd at the false-alarm probability nearest to 1e-6, with its interval and a verdict.
 
     Parameters
@@ -53,6 +71,8 @@ def print_summary(tables: Mapping[str, pd.DataFrame], directory: Path) -> None:
         Those of the report, by name.
     directory : Path
         Where the rest is.
+    refused : mapping of (str, str) to str
+        `refusals` of the run.
     """
     table = tables["detection"]
     quoted = [float(match[1]) for name in table.columns if (match := re.fullmatch(r"pd_([^_]+)", str(name)))]
@@ -60,6 +80,9 @@ def print_summary(tables: Mapping[str, pd.DataFrame], directory: Path) -> None:
     console = table_console()
     for (mesh, scheme), group in table.groupby(["mesh", "scheme"], sort=False):
         console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
+        if why := refused.get((str(mesh), str(scheme))):
+            console.print(f" {why}", highlight=False, soft_wrap=True)
+            continue
         output = Table(box=None, padding=(0, 1))
         output.add_column("attack")
         for heading in ("trials", "d'", f"Pd at Pf = {pf:g}", "95 %"):

@@ -62,12 +62,14 @@ def detection(rows: pd.DataFrame, pf: Sequence[float], sigmas: Sigmas | None = N
     The null of z has mean 0 and variance 1 exactly, so d' is the mean of z over keys and its 95 % interval
     that of Student's t. `sigma_percent` is the standard deviation of noise on each coordinate in percent of
     the diagonal of the bounding box, NaN for attacks that are no noise. `log10_pf_least` is the median over
-    trials of the log10 of the least p-value that any key reaches: no Pd at a smaller Pf can be above 0. `ber`
+    meshes that could be read of the log10 of the least p-value that any key reaches: no Pd at a smaller Pf
+    can be above 0. `ber`
     is the mean bit error rate of schemes that carry a message, with its 95 % interval by Student's t, NaN for
     others; a mesh that cannot be read has one half of the bits wrong.
 
     Trials whose attack failed are counted in `failed` and left out; a mesh that the scheme refuses to mark,
-    or cannot read, is counted in `unreadable` and as not detected, with p = 1.
+    or cannot read, is counted in `unreadable` and as not detected, with p = 1; `refused` of these it refused
+    to mark.
     """
     table = _table(rows, "H1", lambda group: _detection_row(group, pf))
     sigma = [
@@ -81,11 +83,13 @@ def detection(rows: pd.DataFrame, pf: Sequence[float], sigmas: Sigmas | None = N
 def _detection_row(group: pd.DataFrame, pf: Sequence[float]) -> Line:
     scored = group[group["log10_p"].notna()]
     z, log10_p = scored["z"].to_numpy(), scored["log10_p"].to_numpy()
+    unreadable = scored["error"] != ""
     curve, mean = roc(log10_p, np.log10(pf)), student_t(z)
     line = {
         "trials": len(scored),
         "failed": len(group) - len(scored),
-        "unreadable": int((scored["error"] != "").sum()),
+        "unreadable": int(unreadable.sum()),
+        "refused": int(scored["snr_db"].isna().sum()),
         "faces_out": scored["faces_out"].mean(),
         "z_mean": z.mean() if len(z) else np.nan,
         "z_std": z.std(ddof=1) if len(z) > 1 else np.nan,
@@ -94,7 +98,7 @@ def _detection_row(group: pd.DataFrame, pf: Sequence[float]) -> Line:
         "d_prime_high": float(mean.high),
         "auc": auc(log10_p),
         "eer": eer(log10_p),
-        "log10_pf_least": scored["log10_p_least"].median(),
+        "log10_pf_least": scored.loc[~unreadable, "log10_p_least"].median(),
         **_error_rate(scored["bit_error_rate"].dropna()),
     }
     for value, share, low, high in zip(pf, curve.pd, curve.low, curve.high, strict=True):
