@@ -108,7 +108,7 @@ def test_all_faults_are_told_at_once_by_line_and_path(path):
 def test_what_is_missing_is_told(path):
     path.write_text("title: nothing else\n")
     assert faults(path) == [
-        "line 1, attacks: must have 1 or more items, or name suites.",
+        "line 1, attacks: are missing; list one or more, or name suites.",
         "line 1, cases: is missing.",
         "line 1, name: is missing.",
         "line 1, trials: is missing.",
@@ -161,6 +161,9 @@ def test_overrides_change_values_deep_inside(path):
          "timestamp, quote it if it is text."),
         ("title=&a [*a]",
          "--set title=&a [*a]: line 1, [0]: stands for itself, by an alias inside its anchor."),
+        ("calibrate=50", "--set calibrate=50: 50 must be a mapping."),
+        ("calibrate={metric: snr, value: 500}", "--set calibrate={metric: snr, value: 500}: an SNR of 500 dB "
+         "is no SNR of a mark; it must be above 0 and at most 300 dB."),
         ("calibrate={[1]: 2}", "--set calibrate={[1]: 2}: line 1: the key must be a word."),
         ("seed=" + "1" * 5000, f"--set seed={'1' * 55}...{'1' * 17}: line 1: is not valid YAML: "
          f"'{'1' * 37}...{'1' * 38}' is no int, quote it if it is text."),

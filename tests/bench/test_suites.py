@@ -67,8 +67,8 @@ def test_config_as_run_names_every_attack_and_no_suite(tmp_path):
     [
         ("suites: [liris2011]\n", "line 4, suites[0]: no such suite; did you mean 'liris2010'?"),
         ("suites: [../secret]\n", "line 4, suites[0]: no such suite; known: hostile, liris2010, "),
-        ("attacks: []\n", "line 4, attacks: must have 1 or more items, or name suites."),
-        ("", "attacks: must have 1 or more items, or name suites."),
+        ("attacks: []\n", "line 4, attacks: are missing; list one or more, or name suites."),
+        ("", "attacks: are missing; list one or more, or name suites."),
         (
             "attacks:\n  - name: chain\n    then:\n      - { name: weld, precent: 1 }\n",
             "line 7, attacks[0].then[0].precent: unknown key; did you mean 'percent'?",

@@ -143,7 +143,10 @@ ATTACKS: dict[type[Attack], tuple[str, str]] = {
     Renamed: ("result-is-a-mesh", "the result is named 'mesh', the input 'potato'"),
     Loose: ("result-is-a-mesh", "2 vertices of the result are in no face"),
     Arrays: ("result-is-a-mesh", "the result is a ndarray, not a wm3d.Mesh"),
-    NotNeutral: ("neutral-parameters-change-nothing", "with {'percent': 0.001} the mesh is changed"),
+    NotNeutral: (
+        "neutral-parameters-change-nothing",
+        "with {'percent': 0.001} the mesh is changed, its vertices by ",
+    ),
     Brittle: ("tiny-mesh-is-attacked-or-refused", "it raises IndexError: list index out of range"),
 }
 """Each broken attack, the check that must fail, and words that it must say."""

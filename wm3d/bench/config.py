@@ -50,7 +50,7 @@ def _finite(budgets: Budget | tuple[Budget, ...]) -> Budget | tuple[Budget, ...]
 
 Budgets = Annotated[
     Annotated[Budget, Tag("budget")] | Annotated[tuple[Budget, ...], Tag("budgets")],
-    Discriminator(lambda value: "budget" if isinstance(value, dict | Budget) else "budgets"),
+    Discriminator(lambda value: "budgets" if isinstance(value, list | tuple) else "budget"),
     AfterValidator(_finite),
 ]
 
@@ -130,7 +130,7 @@ class Experiment(_Strict):
         suites = info.data.get("suites", ())
         merged = [*attacks, *(attack for suite in suites for attack in load_suite(suite))]
         if not merged and "suites" in info.data:
-            raise ValueError("must have 1 or more items, or name suites")
+            raise ValueError("are missing; list one or more, or name suites")
         return tuple(dict.fromkeys(merged))
 
     @property

@@ -75,13 +75,17 @@ def result_is_a_mesh(attack: Attack) -> None:
 
 
 def neutral_parameters_change_nothing(attack: Attack) -> None:
-    """With its `neutral` parameters, where it declares them, the mesh stays the same."""
+    """With its `neutral` parameters, where it declares them, the mesh stays the same, bit for bit."""
     neutral = type(attack).neutral
     if neutral is None:
         return
     harmless = type(attack).model_validate(neutral)
-    if _attacked(harmless, _good()).digest() != _good().digest():
-        raise Broken(f"with {neutral or 'its defaults'} the mesh is changed.")
+    good, same = _good(), _attacked(harmless, _good())
+    if same.digest() != good.digest():
+        moved = ""
+        if same.vertices.shape == good.vertices.shape:
+            moved = f", its vertices by up to {np.abs(same.vertices - good.vertices).max():.2g}"
+        raise Broken(f"with {neutral or 'its defaults'} the mesh is changed{moved}; no bit may be.")
 
 
 def open_mesh_is_attacked_or_refused(attack: Attack) -> None:

@@ -93,7 +93,8 @@ def _ending(path: str | os.PathLike[str]) -> str:
     ending = Path(path).suffix.lower()
     if ending not in READERS:
         found = f"the ending {ending!r} is" if ending else "no ending, which is"
-        raise Wm3dError(f"{path}: {found} no mesh format wm3d knows; use one of {', '.join(ENDINGS)}.")
+        named = "" if ending else "; wm3d.mesh.datasets.load reads datasets by name"
+        raise Wm3dError(f"{path}: {found} no mesh format wm3d knows; use one of {', '.join(ENDINGS)}{named}.")
     return ending
 
 

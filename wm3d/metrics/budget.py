@@ -10,6 +10,9 @@ from wm3d.metrics.perceptual import msdm2
 from wm3d.metrics.snr import snr
 from wm3d.metrics.surface import mrms
 
+MOST_SNR = 300.0
+"""SNR in dB at which a mark is as fine as the last digits of double precision."""
+
 _NAMES = {"snr": ("SNR", " dB"), "mrms": ("MRMS", " %"), "msdm2": ("MSDM2", "")}
 
 
@@ -30,6 +33,10 @@ class Budget(BaseModel):
 
     @model_validator(mode="after")
     def _attainable(self) -> Self:
+        if self.metric == "snr" and not 0 < self.value <= MOST_SNR:
+            raise ValueError(
+                f"{self.in_words()} is no SNR of a mark; it must be above 0 and at most {MOST_SNR:g} dB"
+            )
         if self.metric != "snr" and self.value <= 0:
             raise ValueError(f"{self.in_words()} leaves no room for a mark")
         return self

@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from typing import ClassVar, Self
 
+from pydantic import ValidationError
 from scipy.optimize import brentq
 
 from wm3d.arrays import SignArray
@@ -110,7 +111,11 @@ class Scheme(Component, ABC):
         Wm3dError
             If no strength gives that SNR.
         """
-        return self.at_distortion(mesh, seed, Budget(metric="snr", value=decibels))
+        try:
+            budget = Budget(metric="snr", value=decibels)
+        except ValidationError as error:
+            raise Wm3dError(f"{mesh.name}: {error.errors()[0]['ctx']['error']}.") from None
+        return self.at_distortion(mesh, seed, budget)
 
     def at_distortion(self, mesh: Mesh, seed: int, budget: Budget, tolerance: float = TOLERANCE) -> Self:
         """Return this scheme with its strength set so that `embed` distorts the mesh as a budget allows.
@@ -135,7 +140,7 @@ class Scheme(Component, ABC):
             return rooms[log_strength]
 
         rooms: dict[float, float] = {}
-        limit, value = math.log(self._strength_limit()), math.log(getattr(self, self.strength))
+        most, value = math.log(self._strength_limit()) - _XTOL, math.log(getattr(self, self.strength))
         bracket: dict[bool, float] = {}  # ln strength by whether it is too weak
         last = None  # ln strength
         for _ in range(_STEPS):
@@ -154,7 +159,9 @@ class Scheme(Component, ABC):
                     _bracketed(headroom, bracket, max(tolerance, BRACKETED))
                     break
             proposed = value + room * _NEPERS / min(max(gain, _SLOWEST), 1.0)
-            value, last = proposed if proposed < limit else (value + limit) / 2, value
+            value, last = min(proposed, most), value
+            if value == last:
+                break  # at the bound of the strength
         nearest = min(rooms, key=lambda tried: abs(rooms[tried]))
         room = rooms[nearest]
         if abs(room) <= max(tolerance, JUMP):

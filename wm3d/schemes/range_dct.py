@@ -1,5 +1,6 @@
 """The robust variant of the paper's idea: a block-DCT mark in what an affine-invariant scanner sees."""
 
+import math
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
@@ -30,6 +31,9 @@ and comes from are finite, whatever the unit of the mesh."""
 
 TRIALS, TRIAL_NOISE = 3, 0.3
 """How often the mark of a symmetric solid must bear how much noise, in percent of the diagonal."""
+
+MOST_ALPHA = 32.0
+"""Bound of the strength: at 10 dB little of the mesh is left, and faces that span all of it take minutes."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -144,7 +148,7 @@ class RangeDct(Scheme):
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
 
-    alpha: Annotated[float, Field(gt=0, lt=100)] = 0.63
+    alpha: Annotated[float, Field(gt=0, lt=MOST_ALPHA)] = 0.63
     blocks: Annotated[int, Field(ge=1, le=10_000)] | None = None
     reference: Annotated[Reference | None, Field(repr=False)] = None
 
@@ -171,12 +175,7 @@ class RangeDct(Scheme):
 
         reference = _reference(marked, host, seed, fine)
         if reference is None:
-            laid = host.mark.amplitude.shape[0]
-            raise Wm3dError(
-                f"{mesh.name}: the mark cannot be read even from the marked mesh, which has too few "
-                f"vertices, bounds no solid or is out of shape; subdivide it, try another alpha than "
-                f"{self.alpha:g}" + (f" or fewer blocks than {laid}." if laid > 1 else ".")
-            )
+            raise self._unread(mesh, laid=host.mark.amplitude.shape[0])
         scheme = self.model_copy(update={"reference": reference})
         if host.ways > 1 and not scheme._tells_sides_apart(marked, seed):
             raise Wm3dError(
@@ -184,6 +183,16 @@ class RangeDct(Scheme):
                 f"of alpha {self.alpha:g} does not tell them apart; try a larger alpha, or another scheme."
             )
         return marked, scheme
+
+    def _unread(self, mesh: Mesh, laid: int) -> Wm3dError:
+        """Return the refusal of a mesh on which so many blocks were laid without use."""
+        decibels = 40 - 20 * math.log10(self.alpha)
+        return Wm3dError(
+            f"{mesh.name}: the mark cannot be read even from the marked mesh; alpha {self.alpha:g}, about "
+            f"{decibels:.4g} dB, is too faint or too strong, or the mesh has too few vertices, bounds no "
+            "solid or is out of shape. Try another strength, subdivide it"
+            + (f", or ask for fewer blocks than {laid}." if laid > 1 else ".")
+        )
 
     def _tells_sides_apart(self, marked: Mesh, seed: int) -> bool:
         """Tell whether a symmetric solid is found each time that noise was added and it was turned."""
