@@ -207,6 +207,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
         .render(
             # of nulls, those of one key; wrong keys are scored on the same meshes
             trials={name: int(robust(tables[name])["trials"].min()) for name in CONFIGS if name in tables},
+            most={name: int(robust(tables[name])["trials"].max()) for name in CONFIGS if name in tables},
             paper_trials=int(paper.loc[paper["scheme"].str.startswith("song2002"), "trials"].min()),
             paper=pivot(robust(paper)),
             older={name: older_meshes(robust(tables[name])) for name in CONFIGS if name in tables},

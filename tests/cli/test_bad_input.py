@@ -106,6 +106,7 @@ def _table() -> list[tuple[str, str, str]]:
         (f"{DETECT} --pf 1.5", "false-alarm probability", "1.5"),
         (f"{DETECT} --pf nan", "false-alarm probability", "nan"),
         (f"{DETECT} --pf small", "--pf", "number"),
+        ("attack crop {files}/good.ply {out}/attacked.ply", "attacked.ply", "the order is IN OUT NAME"),
         (f"{ATTACK} gausian-noise", "gausian-noise", "did you mean 'gaussian-noise'"),
         (f"{ATTACK} gaussian-noise sigma=1", "sigma", "known: percent, amplitude"),
         (f"{ATTACK} gaussian-noise percent=-1", "percent", "greater than or equal to 0"),

@@ -46,8 +46,10 @@ def attack(
     import numpy as np
 
     from wm3d.attacks import ATTACKS, Noise
-    from wm3d.mesh import check_target, decode_mesh, encode_mesh, write_whole
+    from wm3d.mesh import ENDINGS, check_target, decode_mesh, encode_mesh, write_whole
 
+    if Path(name).suffix.lower() in ENDINGS:
+        raise Wm3dError(f"{name}: stands where the name of an attack belongs; the order is IN OUT NAME.")
     chosen = ATTACKS.build(name, assignments(pairs or ()))
     keep_original(source, target, "attacked mesh")
     check_target(target)
