@@ -63,9 +63,8 @@ def detection(rows: pd.DataFrame, pf: Sequence[float], sigmas: Sigmas | None = N
     that of Student's t. `sigma_percent` is the standard deviation of noise on each coordinate in percent of
     the diagonal of the bounding box, NaN for attacks that are no noise. `log10_pf_least` is the median over
     meshes that could be read of the log10 of the least p-value that any key reaches: no Pd at a smaller Pf
-    can be above 0. `ber`
-    is the mean bit error rate of schemes that carry a message, with its 95 % interval by Student's t, NaN for
-    others; a mesh that cannot be read has one half of the bits wrong.
+    can be above 0. `ber` is the mean bit error rate of schemes that carry a message, with its 95 % interval
+    by Student's t, NaN for others; a mesh that cannot be read has one half of the bits wrong.
 
     Trials whose attack failed are counted in `failed` and left out; a mesh that the scheme refuses to mark,
     or cannot read, is counted in `unreadable` and as not detected, with p = 1; `refused` of these it refused
