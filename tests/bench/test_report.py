@@ -197,6 +197,7 @@ def test_page_and_terminal_say_why_a_scheme_marked_a_mesh_with_no_key(tmp_path: 
     run_config(config, out=tmp_path / "run", workers=1)
     said = capsys.readouterr().out
     text = Page((tmp_path / "run" / "report.html").read_text()).text
+    assert "not marked: ball: looks the same" in said
     for words in (said, text):
         assert "ball: looks the same, or nearly, from all sides" in words
     assert "No mesh could be marked with range-dct" in text

@@ -6,7 +6,7 @@ import pytest
 from scipy.stats import norm, ttest_1samp
 
 from wm3d.bench.columns import FALSE_ALARMS, TRIALS
-from wm3d.bench.summary import BEYOND, FAILED, FOUND, GONE, REFUSED, verdict
+from wm3d.bench.summary import BEYOND, FAILED, FOUND, GONE, REFUSED, refusals, verdict
 from wm3d.bench.tables import NULL_LEVEL, all_tables, counted, detection, nulls, swept
 from wm3d.stats import clopper_pearson
 
@@ -67,6 +67,16 @@ def test_a_mesh_that_was_never_marked_is_refused_and_one_that_cannot_be_read_has
         assert (line["trials"], line["unreadable"], line["refused"]) == (2, 2, count)
         assert np.isnan(line["log10_pf_least"])
         assert verdict(line, 1e-6) == word
+
+
+def test_a_mesh_of_which_one_key_was_marked_and_its_attack_failed_is_not_refused():
+    rows = frame([np.nan, 0.0], log10_p=[np.nan, 0.0], snr_db=[44.0, np.nan])
+    rows.loc[1, "error"] = "not marked: m: is round."
+    (line,) = detection(rows, PF).to_dict("records")
+    assert (line["trials"], line["failed"], line["refused"]) == (1, 1, 1)
+    assert verdict(line, 1e-6) == GONE
+    assert refusals(rows) == {}
+    assert refusals(rows.iloc[1:]) == {("m", "s"): "m: is round."}
 
 
 def test_pf_in_reach_is_told_by_the_meshes_that_could_be_read():

@@ -80,6 +80,22 @@ def test_strength_stays_below_its_bound():
         Bounded().at_snr(box(), 0, 5.9)  # a growth of 0.507
 
 
+class RefusingNearItsBound(Bounded):
+    """Moves grow by the square of the growth; above 0.45 nothing can be marked."""
+
+    name: Literal["refusing"] = "refusing"
+
+    def embed(self, mesh, seed):
+        if self.growth > 0.45:
+            raise Wm3dError("box: has no room.")
+        return Bounded(growth=self.growth**2).embed(mesh, seed)[0], self
+
+
+def test_a_strength_is_found_below_a_bound_near_which_nothing_can_be_marked():
+    found = RefusingNearItsBound().at_snr(box(), 0, -20 * np.log10(0.3**2))
+    assert found.growth == pytest.approx(0.3, rel=1e-4)
+
+
 def test_score_is_the_evidence_for_the_signs_of_the_seed():
     scores = {Swelling().score(box(), seed).z for seed in range(20)}
     assert scores == {-1.0, 1.0}

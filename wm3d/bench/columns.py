@@ -34,6 +34,9 @@ first key of a block (`bench.memory`), NaN for the others."""
 ADDED = {"bit_error_rate", "log10_p_least", "embed_mb"}
 """Columns that cells of earlier versions lack; they read as NaN."""
 
+NOT_MARKED = "not marked: "
+"""How the `error` of a trial begins whose mesh the scheme refused to mark."""
+
 FALSE_ALARMS = {
     "mesh": "str",
     "scheme": "str",

@@ -63,8 +63,13 @@ def render(run: Run) -> str:
     experiment = run.experiment
     pf = quoted_pf(experiment.pf)
     cases = findings.cases(run.tables["detection"], pf, refusals(run.rows))
-    marked = dict.fromkeys(case.mesh for case in cases if not case.refusal)
+    there = [case for case in cases if not case.refusal]
+    marked = dict.fromkeys(case.mesh for case in there)
     schemes = dict.fromkeys(scheme for case in experiment.cases for scheme in case.schemes)
+    labels = [scheme.label() for scheme in schemes]
+    if not experiment.budgets:  # else the label of a case names its budget, too
+        embedded = {case.scheme for case in there}
+        labels = [label for label in labels if label in embedded] or labels
     return (
         _environment()
         .get_template("report.html")
@@ -80,6 +85,7 @@ def render(run: Run) -> str:
             lost=LOST,
             marked={name: run.manifest["meshes"][name] for name in marked},
             cases=cases,
+            embedded=labels,
             statistics=findings.statistics(experiment),
             null_scores=findings.null_scores(run.rows),
             departures=findings.departures(run.tables["nulls"]),

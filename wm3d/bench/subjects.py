@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from wm3d.attacks import Attack
 from wm3d.attacks.base import Owner
+from wm3d.bench.columns import NOT_MARKED
 from wm3d.bench.memory import with_peak
 from wm3d.bench.plan import Cell
 from wm3d.bench.seeds import derived_seed, generator
@@ -101,7 +102,7 @@ class Subjects:
             try:
                 self._last = trial, self._marked(trial)
             except Wm3dError as error:
-                self._last = trial, NotMarkedError(f"not marked: {error}")
+                self._last = trial, NotMarkedError(f"{NOT_MARKED}{error}")
         if isinstance(self._last[1], NotMarkedError):
             raise self._last[1]
         return self._last[1]

@@ -10,6 +10,7 @@ import pandas as pd
 from rich.console import Console
 from rich.table import Table
 
+from wm3d.bench.columns import NOT_MARKED
 from wm3d.stats import DEFAULT_PF
 
 PLAIN_WIDTH = 110
@@ -42,7 +43,7 @@ def verdict(line: Mapping[Any, Any], pf: float) -> str:
     share = line[f"pd_{pf:g}"]
     if not line["trials"]:
         return FAILED
-    if line["refused"] == line["trials"]:
+    if line["refused"] == line["trials"] and not line["failed"]:
         return REFUSED
     if line["log10_pf_least"] > math.log10(pf):
         return BEYOND
@@ -51,12 +52,11 @@ def verdict(line: Mapping[Any, Any], pf: float) -> str:
 
 def refusals(rows: pd.DataFrame) -> dict[tuple[str, str], str]:
     """Return why a scheme marked a mesh with no key at all, by mesh and scheme: what it said first."""
-    trials = rows[(rows["hypothesis"] == "H1") & rows["log10_p"].notna()]
-    groups = trials.groupby(["mesh", "scheme"], sort=False)
+    groups = rows[rows["hypothesis"] == "H1"].groupby(["mesh", "scheme"], sort=False)
     return {
-        (str(mesh), str(scheme)): str(group["error"].iloc[0])
+        (str(mesh), str(scheme)): str(group["error"].iloc[0]).removeprefix(NOT_MARKED)
         for (mesh, scheme), group in groups
-        if group["snr_db"].isna().all()
+        if group["snr_db"].isna().all() and group["log10_p"].notna().all()
     }
 
 
@@ -81,7 +81,7 @@ def print_summary(
     for (mesh, scheme), group in table.groupby(["mesh", "scheme"], sort=False):
         console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
         if why := refused.get((str(mesh), str(scheme))):
-            console.print(f" {why}", highlight=False, soft_wrap=True)
+            console.print(f" {NOT_MARKED}{why}", highlight=False, soft_wrap=True)
             continue
         output = Table(box=None, padding=(0, 1))
         output.add_column("attack")

@@ -83,9 +83,9 @@ def neutral_parameters_change_nothing(attack: Attack) -> None:
     good, same = _good(), _attacked(harmless, _good())
     if same.digest() != good.digest():
         moved = ""
-        if same.vertices.shape == good.vertices.shape:
+        if same.vertices.shape == good.vertices.shape and (same.vertices != good.vertices).any():
             moved = f", its vertices by up to {np.abs(same.vertices - good.vertices).max():.2g}"
-        raise Broken(f"with {neutral or 'its defaults'} the mesh is changed{moved}; no bit may be.")
+        raise Broken(f"with {neutral or 'its defaults'} the mesh is changed{moved}; not a bit may change.")
 
 
 def open_mesh_is_attacked_or_refused(attack: Attack) -> None:

@@ -44,7 +44,8 @@ def load_mesh(path: str | os.PathLike[str], name: str | None = None) -> Mesh:
         If the file is missing, not readable, empty, of an unknown or another format, damaged or cut short, or
         if what it holds is not a `Mesh`: no faces, NaN or infinite coordinates, faces out of range.
     """
-    _ending(path)  # an unknown format is the better reason to give than a missing file
+    # an unknown format is the better reason to give than a missing file
+    _ending(path, hint="; wm3d.mesh.datasets.load reads datasets by name")
     return decode_mesh(_content(path), path, name)
 
 
@@ -89,12 +90,12 @@ def encode_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> bytes:
         raise Wm3dError(f"{path}: cannot be written; {error}.") from error
 
 
-def _ending(path: str | os.PathLike[str]) -> str:
+def _ending(path: str | os.PathLike[str], hint: str = "") -> str:
     ending = Path(path).suffix.lower()
     if ending not in READERS:
         found = f"the ending {ending!r} is" if ending else "no ending, which is"
-        named = "" if ending else "; wm3d.mesh.datasets.load reads datasets by name"
-        raise Wm3dError(f"{path}: {found} no mesh format wm3d knows; use one of {', '.join(ENDINGS)}{named}.")
+        hint = "" if ending else hint
+        raise Wm3dError(f"{path}: {found} no mesh format wm3d knows; use one of {', '.join(ENDINGS)}{hint}.")
     return ending
 
 

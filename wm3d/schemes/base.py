@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import ValidationError
 from scipy.optimize import brentq
@@ -32,6 +32,7 @@ _STEPS = 40
 _XTOL = 1e-6  # of ln strength: a narrower bracket holds a jump
 _LEAST_GAIN = 0.01  # dB a dB of strength, below which more of it does nothing
 _SLOWEST = 0.2  # dB a dB of strength that a step reckons with: MSDM2 grows by about half
+_STEEPEST = 300.0  # dB a dB of strength, which no scheme gains
 _NEPERS = math.log(10) / 20  # ln strength a decibel, where moves are proportional to the strength
 
 
@@ -114,7 +115,7 @@ class Scheme(Component, ABC):
         try:
             budget = Budget(metric="snr", value=decibels)
         except ValidationError as error:
-            raise Wm3dError(f"{mesh.name}: {error.errors()[0]['ctx']['error']}.") from None
+            raise Wm3dError(f"{mesh.name}: {_words(error.errors()[0])}.") from None
         return self.at_distortion(mesh, seed, budget)
 
     def at_distortion(self, mesh: Mesh, seed: int, budget: Budget, tolerance: float = TOLERANCE) -> Self:
@@ -140,7 +141,7 @@ class Scheme(Component, ABC):
             return rooms[log_strength]
 
         rooms: dict[float, float] = {}
-        most, value = math.log(self._strength_limit()) - _XTOL, math.log(getattr(self, self.strength))
+        limit, value = math.log(self._strength_limit()), math.log(getattr(self, self.strength))
         bracket: dict[bool, float] = {}  # ln strength by whether it is too weak
         last = None  # ln strength
         for _ in range(_STEPS):
@@ -159,9 +160,9 @@ class Scheme(Component, ABC):
                     _bracketed(headroom, bracket, max(tolerance, BRACKETED))
                     break
             proposed = value + room * _NEPERS / min(max(gain, _SLOWEST), 1.0)
-            value, last = min(proposed, most), value
-            if value == last:
-                break  # at the bound of the strength
+            if room * _NEPERS > _STEEPEST * (limit - value):
+                break  # out of reach
+            value, last = proposed if proposed < limit else (value + limit) / 2, value
         nearest = min(rooms, key=lambda tried: abs(rooms[tried]))
         room = rooms[nearest]
         if abs(room) <= max(tolerance, JUMP):
@@ -179,6 +180,11 @@ class Scheme(Component, ABC):
         """Return the bound that the field of the strength declares, ∞ if none."""
         metadata = type(self).model_fields[self.strength].metadata
         return min((m.lt for m in metadata if hasattr(m, "lt")), default=math.inf)
+
+
+def _words(fault: Mapping[str, Any]) -> str:
+    """Return what a validation found, in the words of the model where it has any."""
+    return str(fault.get("ctx", {}).get("error", fault["msg"]))
 
 
 def _bracketed(headroom: Callable[[float], float], bracket: Mapping[bool, float], tolerance: float) -> None:

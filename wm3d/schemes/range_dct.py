@@ -190,8 +190,9 @@ class RangeDct(Scheme):
         return Wm3dError(
             f"{mesh.name}: the mark cannot be read even from the marked mesh; alpha {self.alpha:g}, about "
             f"{decibels:.4g} dB, is too faint or too strong, or the mesh has too few vertices, bounds no "
-            "solid or is out of shape. Try another strength, subdivide it"
-            + (f", or ask for fewer blocks than {laid}." if laid > 1 else ".")
+            "solid or is out of shape; try another strength"
+            + (f", fewer blocks than {laid}," if laid > 1 else "")
+            + " or a finer mesh (subdivide it)."
         )
 
     def _tells_sides_apart(self, marked: Mesh, seed: int) -> bool:
