@@ -162,8 +162,8 @@ def test_overrides_change_values_deep_inside(path):
         ("title=&a [*a]",
          "--set title=&a [*a]: line 1, [0]: stands for itself, by an alias inside its anchor."),
         ("calibrate=50", "--set calibrate=50: 50 must be a mapping."),
-        ("calibrate={metric: snr, value: 500}", "--set calibrate={metric: snr, value: 500}: an SNR of 500 dB "
-         "is no SNR of a mark; it must be above 0 and at most 300 dB."),
+        ("calibrate={metric: snr, value: 500}", "--set calibrate={metric: snr, value: 500}: a mark cannot be "
+         "set to an SNR of 500 dB; it must be above 0 and at most 300 dB."),
         ("calibrate={[1]: 2}", "--set calibrate={[1]: 2}: line 1: the key must be a word."),
         ("seed=" + "1" * 5000, f"--set seed={'1' * 55}...{'1' * 17}: line 1: is not valid YAML: "
          f"'{'1' * 37}...{'1' * 38}' is no int, quote it if it is text."),

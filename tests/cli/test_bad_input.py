@@ -92,7 +92,7 @@ def _table() -> list[tuple[str, str, str]]:
         (f"{EMBED} --alpha 1 --snr 40", "alpha and --snr", "give one"),
         (f"{EMBED} --alpha 1 alpha=2", "alpha", "twice"),
         (f"{EMBED} --snr nan", "good.ply", "SNR"),
-        (f"{EMBED} --snr 0", "good.ply: an SNR of 0 dB", "above 0"),
+        (f"{EMBED} --snr 0", "good.ply", "an SNR of 0 dB; it must be above 0"),
         (f"{EMBED} --snr 1e9", "good.ply", "SNR"),
         (f"{EMBED} --snr -1e9", "good.ply", "SNR"),
         (f"{EMBED} --seed -1", "seed", "from 0 to"),

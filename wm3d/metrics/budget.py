@@ -35,7 +35,7 @@ class Budget(BaseModel):
     def _attainable(self) -> Self:
         if self.metric == "snr" and not 0 < self.value <= MOST_SNR:
             raise ValueError(
-                f"{self.in_words()} is no SNR of a mark; it must be above 0 and at most {MOST_SNR:g} dB"
+                f"a mark cannot be set to {self.in_words()}; it must be above 0 and at most {MOST_SNR:g} dB"
             )
         if self.metric != "snr" and self.value <= 0:
             raise ValueError(f"{self.in_words()} leaves no room for a mark")
