@@ -17,7 +17,7 @@ from wm3d.bench.curves import LEAST_LOG10_PF
 from wm3d.bench.figures import power_of_ten
 from wm3d.bench.htmltables import HtmlTable, html_table, short_power, shortener
 from wm3d.bench.readings import readings
-from wm3d.bench.summary import DETECTED, LOST, quoted_pf, refusals
+from wm3d.bench.summary import DETECTED, LOST, quoted_pf
 from wm3d.bench.tables import CELL_KEYS
 
 HYPOTHESES = {
@@ -46,6 +46,8 @@ class Run:
     rows : DataFrame
     tables : mapping of str to DataFrame
         By file name without ending.
+    refused : mapping of (str, str) to str
+        `wm3d.bench.summary.refusals`.
     figures : mapping of str to str
         SVG elements by name.
     """
@@ -55,6 +57,7 @@ class Run:
     manifest: Mapping[str, Any]
     rows: pd.DataFrame
     tables: Mapping[str, pd.DataFrame]
+    refused: Mapping[tuple[str, str], str]
     figures: Mapping[str, str]
 
 
@@ -62,7 +65,7 @@ def render(run: Run) -> str:
     """Return the report of a run; the same run gives the same text."""
     experiment = run.experiment
     pf = quoted_pf(experiment.pf)
-    cases = findings.cases(run.tables["detection"], pf, refusals(run.rows))
+    cases = findings.cases(run.tables["detection"], pf, run.refused)
     there = [case for case in cases if not case.refusal]
     marked = dict.fromkeys(case.mesh for case in there)
     schemes = dict.fromkeys(scheme for case in experiment.cases for scheme in case.schemes)

@@ -39,14 +39,14 @@ class Report:
         Trials whose attack failed.
     tables : dict of str to DataFrame
         The tables by name.
-    refused : dict of (str, str) to str
+    refused : mapping of (str, str) to str
         `wm3d.bench.summary.refusals`.
     """
 
     page: Path
     failed: int
     tables: dict[str, pd.DataFrame]
-    refused: dict[tuple[str, str], str]
+    refused: Mapping[tuple[str, str], str]
 
 
 def write_report(run_dir: str | Path) -> Report:
@@ -89,12 +89,13 @@ def write_report(run_dir: str | Path) -> Report:
         manifest=manifest,
         rows=rows,
         tables=tables,
+        refused=refusals(rows),
         figures={name: figures.inline_svg(svg, name) for name, svg in saved.items()},
     )
     directory.write_text("report.html", render(run))
     directory.drop_report(keep=report_files(tables, drawn))
     failed = int(rows["log10_p"].isna().sum())
-    return Report(directory.path / "report.html", failed, tables, refusals(rows))
+    return Report(directory.path / "report.html", failed, tables, run.refused)
 
 
 def _read_calibration(directory: RunDirectory, manifest: Mapping[str, Any]) -> pd.DataFrame:

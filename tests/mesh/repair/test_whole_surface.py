@@ -153,3 +153,16 @@ def test_keys_tell_faces_apart_as_their_sorted_corners_do():
     flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
     expected = len(np.unique(np.sort(faces[~flat], axis=1), axis=0)) + np.count_nonzero(flat)
     assert len(np.unique(keys)) == expected
+
+
+def test_faces_are_at_variance_where_two_alone_at_an_edge_run_through_it_in_one_direction():
+    draws, seen = rng(), set()
+    for _ in range(500):  # some corners coincide, some faces repeat, some edges have three faces and more
+        sides = Sides.of(draws.integers(7, size=(draws.integers(1, 7), 3)))
+        ways = {}
+        for edge, way in zip(sides.edges.ravel(), sides.direction.ravel(), strict=True):
+            ways.setdefault(edge, []).append(way)
+        expected = any(pair in ([1, 1], [-1, -1]) for pair in ways.values())
+        assert sides.at_variance == expected
+        seen.add(expected)
+    assert seen == {True, False}
