@@ -1,10 +1,12 @@
-"""Kernels of the search for a pose, against the same in numpy."""
+"""Kernels of registration, against the same in numpy."""
 
 import itertools
 
 import numpy as np
+import pytest
 from shapes import rotation
 
+from wm3d.metrics.surface import boxes, tree_order
 from wm3d.scanner.registration.kernels import (
     CELL,
     GRID,
@@ -12,6 +14,7 @@ from wm3d.scanner.registration.kernels import (
     NEARNESS,
     OFF,
     cells,
+    means_near,
     misfits,
     nearest_tried,
 )
@@ -20,6 +23,20 @@ RNG = np.random.default_rng(1)
 PROBES = RNG.normal(0, 1.2, (40, 3))  # some lie beside the cube
 TURNS = np.stack([rotation(seed) for seed in range(30)])
 DISTANCE = RNG.uniform(0, 0.5, GRID**3)
+
+
+@pytest.mark.parametrize("many", [4, 5, 8, 9, 1000])
+def test_surface_next_to_a_place_is_the_mean_of_the_nearest_points_and_of_their_normals(many: int):
+    points, normals = RNG.normal(size=(2, many, 3))
+    points[1], normals[1] = points[0], normals[0]  # one twice
+    order = tree_order(points)
+    points, normals = points[order], normals[order]
+    places = np.vstack([RNG.normal(size=(200, 3)), 50 * RNG.normal(size=(5, 3)), points[:2]])
+    apart = ((places[:, None] - points) ** 2).sum(axis=2)
+    nearest = np.argsort(apart, axis=1)[:, :4]
+    mean, normal = means_near(places, points, normals, boxes(points[:, None]), 4)
+    np.testing.assert_allclose(mean, points[nearest].mean(axis=1), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(normal, normals[nearest].mean(axis=1), rtol=1e-12, atol=1e-12)
 
 
 def numbered(places: np.ndarray) -> np.ndarray:

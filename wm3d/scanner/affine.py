@@ -43,6 +43,9 @@ A vase has 0.002, a cone of 80 sides 0.009; a cow has 0.1, and the least of othe
 ALIKE_STARTS, ALIKE_PATIENCE = 2 * MOST_WAYS, 60
 """How many starts are compared, tried to find all ways, and how many evaluations each is then given."""
 
+MIRROR = np.array([1.0, 1.0, -1.0])
+"""What the coordinates of a mesh are multiplied with to make its mirror image."""
+
 MIRRORED = 0.5
 """Misfit of the mirror image, over that of the mesh, below which the mesh is taken for a mirror image itself;
 where parts are cut off, which no linear map undoes, it is 0.67 or more."""
@@ -129,30 +132,24 @@ def recognized(mesh: Mesh, reference: SolidMoments, ways: int = 1) -> tuple[Mesh
     Wm3dError
         If the mesh encloses no volume.
     """
+    moments = solid_moments(mesh)
     if ways > 1:
-        moments = solid_moments(mesh)
         return mesh, [AffineFrame(moments.centroid, fit.matrix) for fit in _alike(moments, reference)]
-    fit = fitted_frame(mesh, reference)
+    fit = fitted_frame(moments, reference)
     if fit.misfit > AGREEMENT:
-        image = Mesh(mesh.vertices * [1.0, 1.0, -1.0], mesh.faces[:, ::-1], mesh.name)
+        image = moments.mapped(np.diag(MIRROR))._replace(centroid=moments.centroid * MIRROR)
         mirrored = fitted_frame(image, reference)
         if mirrored.misfit < MIRRORED * fit.misfit:
-            return image, [mirrored.frame]
+            return Mesh(mesh.vertices * MIRROR, mesh.faces[:, ::-1], mesh.name), [mirrored.frame]
     return mesh, [fit.frame]
 
 
-def fitted_frame(mesh: Mesh, reference: SolidMoments) -> FittedFrame:
+def fitted_frame(moments: SolidMoments, reference: SolidMoments) -> FittedFrame:
     """Return the frame in which the moments of a mesh come nearest to given ones, over all linear maps.
 
     So a stretched or sheared mesh is scanned as it was. By least squares over the nine entries of the matrix;
     none of the maps mirrors.
-
-    Raises
-    ------
-    Wm3dError
-        If the mesh encloses no volume.
     """
-    moments = solid_moments(mesh)
     best = None
     for fit in _fits(moments, reference):
         if best is None or fit.misfit < best.misfit:

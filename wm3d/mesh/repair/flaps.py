@@ -36,9 +36,9 @@ def flap_turns(sides: Sides) -> IntArray:
         hangs = (loose == SIDES) | (loose >= LOOSE) & (excess & (uses[edges] > SHARED)).any(axis=1)
         if hangs.mean() > MOST:
             return np.ones_like(turns)
-        order = np.argsort(-2 * loose - at_rim, kind="stable")  # the likeliest first: each may bare the next
-        changed = False
-        for face in order[hangs[order]]:
+        changed, hanging = False, np.flatnonzero(hangs)
+        order = np.argsort((-2 * loose - at_rim)[hanging], kind="stable")
+        for face in hanging[order]:  # the likeliest first: each may bare the next
             its, way = edges[face], direction[face]
             if (net[its] * way > 0).sum() < LOOSE:
                 continue  # a removal before has set it right

@@ -40,26 +40,33 @@ def caps(corners: IntArray, sides: Sides, points: FloatArray) -> IntArray:
     rim = np.repeat(np.arange(len(net)), np.abs(net))
     if len(rim) == 0:
         return np.empty((0, 3), dtype=np.int64)
-    along = np.argsort(points @ ALONG, kind="stable")
-    rank = np.empty_like(along)
+    ends = np.where(net[rim] > 0, sides.ends[rim].T, sides.ends[rim, ::-1].T)
+    along = np.unique(ends)
+    along = along[np.argsort(points[along] @ ALONG, kind="stable")]
+    rank = np.empty(len(points), dtype=np.int64)
     rank[along] = np.arange(len(along))
-    start, end = rank[np.where(net[rim] > 0, sides.ends[rim].T, sides.ends[rim, ::-1].T)]
+    start, end = rank[ends]
     order = np.lexsort((end, start))
     start, end = start[order], end[order]
     length = np.linalg.norm(points[along[start]] - points[along[end]], axis=1)
-    longest = LONGEST * float(np.linalg.norm(np.ptp(points[corners.ravel()], axis=0)))
-    ranks, numbers = np.unique(np.concatenate([start, end]), return_inverse=True)
-    first = np.searchsorted(numbers[: len(rim)], np.arange(len(ranks) + 1))
-    covers, loop = hole_caps(numbers[len(rim) :], length, first, MOST_SIDES, longest)
+    first = np.searchsorted(start, np.arange(len(along) + 1))
+    covers, loop = hole_caps(end, length, first, MOST_SIDES, LONGEST * _diagonal(points, corners))
     if len(covers) == 0:
         return np.empty((0, 3), dtype=np.int64)
 
-    covers = along[ranks[covers]]
+    covers = along[covers]
     part = _parts(corners, len(points))
     whole = np.bincount(part[corners[:, 0]], face_areas(points, corners), part.max() + 1)
     cover = np.bincount(loop, face_areas(points, covers))
     small: IntArray = covers[cover[loop] <= LARGEST * whole[part[covers[:, 0]]]]
     return small
+
+
+def _diagonal(points: FloatArray, corners: IntArray) -> float:
+    """Return the diagonal of the box around the places that faces use."""
+    used = np.zeros(len(points), dtype=bool)
+    used[corners] = True
+    return float(np.linalg.norm(np.ptp(points[used], axis=0)))
 
 
 def _parts(corners: IntArray, places: int) -> IntArray:

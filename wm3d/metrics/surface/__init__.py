@@ -9,13 +9,14 @@ from wm3d.metrics.surface.distances import (
     mrms,
     normal_deviation,
 )
-from wm3d.metrics.surface.nearest import Nearest, Surface, tree_order
+from wm3d.metrics.surface.nearest import Nearest, Surface, boxes, tree_order
 
 __all__ = [
     "Nearest",
     "OneWay",
     "Surface",
     "both_ways",
+    "boxes",
     "check_size",
     "hausdorff",
     "hausdorff_error",

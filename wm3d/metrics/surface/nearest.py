@@ -82,8 +82,8 @@ def _depth(count: int) -> int:
 def boxes(corners: FloatArray) -> FloatArray:
     """Return the boxes (2^(depth+1) − 1, 6), low corner then high, of a tree over triangles (m, 3, 3).
 
-    Node k of level l holds the triangles from ⌊m k / 2^l⌋ to ⌊m (k+1) / 2^l⌋. Its place is 2^l − 1 + k, so
-    that the children of place i are 2i + 1 and 2i + 2.
+    Points, as (m, 1, 3), have one too. Node k of level l holds the triangles from ⌊m k / 2^l⌋ to
+    ⌊m (k+1) / 2^l⌋. Its place is 2^l − 1 + k, so that the children of place i are 2i + 1 and 2i + 2.
     """
     depth = _depth(len(corners))
     starts = len(corners) * np.arange(1 << depth) >> depth

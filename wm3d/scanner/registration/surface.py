@@ -1,18 +1,34 @@
 """The surface under test as evenly spread points, and where it lies nearest to given places."""
 
 from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from wm3d.arrays import FloatArray
 from wm3d.mesh import Mesh, orientation, surface_points
+from wm3d.metrics.surface import boxes, tree_order
+from wm3d.scanner.registration import kernels
 
 POINTS = 30_000
 """Points on the surface; a fifth to a third of a cell apart from each other."""
 
 NEIGHBOURS = 8
 """Points whose mean stands for the surface at a place: it lies amid the folds that noise makes."""
+
+
+class _Tree(NamedTuple):
+    """Points and their normals (m, 3) in the order of a tree, neighbours near each other, and its boxes."""
+
+    points: FloatArray
+    normals: FloatArray
+    boxes: FloatArray
+
+    @classmethod
+    def of(cls, points: FloatArray, normals: FloatArray) -> Self:
+        order = tree_order(points)
+        points = points[order]
+        return cls(points, normals[order], boxes(points[:, None]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,15 +43,15 @@ class Surface:
         The mean, in the coordinates of the mesh.
     size : float
         The unit, in that of the mesh.
-    tree : KDTree
-        Of the points.
+    tree : _Tree
+        In which the nearest of them are searched.
     """
 
     points: FloatArray
     normals: FloatArray
     middle: FloatArray
     size: float
-    tree: KDTree
+    tree: _Tree
 
     @classmethod
     def of(cls, mesh: Mesh) -> "Surface":
@@ -45,8 +61,8 @@ class Surface:
         points = points - middle
         size = float(np.sqrt((points**2).sum(axis=1).mean()))
         points /= size
-        tree = KDTree(points, balanced_tree=False, compact_nodes=False)
-        return cls(points, orientation(mesh) * normals, middle, size, tree)
+        normals = orientation(mesh) * normals
+        return cls(points, normals, middle, size, _Tree.of(points, normals))
 
     def placed(self, vertices: FloatArray) -> FloatArray:
         """Return vertices (n, 3) of the mesh in the coordinates of the points."""
@@ -55,5 +71,5 @@ class Surface:
 
     def near(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the mean point and the mean normal of the surface next to each of (k, 3) places."""
-        _, index = self.tree.query(places, k=NEIGHBOURS)
-        return self.points[index].mean(axis=1), self.normals[index].mean(axis=1)
+        points, normals = kernels.means_near(places, *self.tree, NEIGHBOURS)
+        return points, normals
