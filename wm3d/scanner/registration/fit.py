@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wm3d.arrays import BoolArray, FloatArray
+from wm3d.scanner.registration import kernels
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import LINEAR_TERMS, QUADRATIC_TERMS, Warp, terms
@@ -108,20 +109,20 @@ def nearest(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) -> Wa
 
 def _match(surface: Surface, landmarks: Landmarks, warp: Warp, reach: float) -> _Match:
     points, normals = surface.near(warp.inverse(landmarks.points))
-    apart = warp(points) - landmarks.points
-    facing = (warp.normals(normals) * landmarks.normals).sum(axis=1) > FACING
-    distance = (apart * landmarks.normals).sum(axis=1)
-    return _Match(points, distance, facing & (np.linalg.norm(apart, axis=1) < reach))
+    off, far, cosine = kernels.compared(
+        points, normals, landmarks.points, landmarks.normals, warp.coefficients, warp.back
+    )
+    return _Match(points, off, (cosine > FACING) & (far < reach))
 
 
 def _change(match: _Match, landmarks: Landmarks, count: int) -> FloatArray:
     """Solve for the change of the first `count` terms that takes the distances away: (10, 3)."""
     spread = max(1.4826 * float(np.median(np.abs(match.distance[match.reached]))), FLOOR)
     weight = np.clip(1 - (match.distance / (TUKEY * spread)) ** 2, 0, None) ** 2 * match.reached
-    slopes = terms(match.points)[:, :count, None] * landmarks.normals[:, None, :]
-    slopes = slopes.reshape(len(weight), -1)
-    normal = slopes.T @ (weight[:, None] * slopes)
-    normal += np.diag(np.repeat(DAMPING[:count], 3)) * weight.sum()
+    matrix, right = kernels.normal_equations(
+        terms(match.points)[:, :count], landmarks.normals, weight, match.distance
+    )
+    matrix += np.diag(np.repeat(DAMPING[:count], 3)) * weight.sum()
     change = np.zeros((QUADRATIC_TERMS, 3))
-    change[:count] = np.linalg.solve(normal, -slopes.T @ (weight * match.distance)).reshape(count, 3)
+    change[:count] = np.linalg.solve(matrix, right).reshape(count, 3)
     return change

@@ -4,6 +4,8 @@ A pose takes a probe p to size · turn p + shift. What is near there is looked u
 about the origin, numbered along z, then y, then x; for a place outside the cube, from its nearest cell.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -89,6 +91,119 @@ def _keep(p: Vector, points: FloatArray, t: int, square: FloatArray, index: IntA
         square[k], index[k] = square[k - 1], index[k - 1]
         k -= 1
     square[k], index[k] = distance, t
+
+
+@njit(cache=True, nogil=True)
+def preimages(
+    images: FloatArray, coefficients: FloatArray, back: FloatArray, rounds: int, farthest: float
+) -> FloatArray:
+    """Points (k, 3) that a warp takes to `images`, by so many rounds of a fixed-point iteration.
+
+    `coefficients` (10, 3) are those of `Warp`, `back` (3, 3) is the inverse of their linear rows; no coordinate
+    gets beyond `farthest`.
+    """
+    points = np.empty((len(images), 3))
+    for n in range(len(images)):
+        image = (
+            images[n, 0] - coefficients[0, 0],
+            images[n, 1] - coefficients[0, 1],
+            images[n, 2] - coefficients[0, 2],
+        )
+        point = _times(image, back)
+        for _ in range(rounds):
+            x, y, z = _bent(point, coefficients)
+            x, y, z = _times((image[0] - x, image[1] - y, image[2] - z), back)
+            point = (
+                min(max(x, -farthest), farthest),
+                min(max(y, -farthest), farthest),
+                min(max(z, -farthest), farthest),
+            )
+        points[n, 0], points[n, 1], points[n, 2] = point
+    return points
+
+
+@njit(cache=True, nogil=True)
+def compared(
+    points: FloatArray,
+    normals: FloatArray,
+    goals: FloatArray,
+    goal_normals: FloatArray,
+    coefficients: FloatArray,
+    back: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """How warped points of a surface lie to points of another: (k,) each.
+
+    Returns their distances from the tangent planes there, their distances, and the cosines of the normals; 0
+    where a surface has no normal. The normals go with the linear part of the warp; see `preimages`.
+    """
+    off, far, cosine = np.empty(len(points)), np.empty(len(points)), np.zeros(len(points))
+    for n in range(len(points)):
+        p = (points[n, 0], points[n, 1], points[n, 2])
+        x, y, z = _bent(p, coefficients)
+        u, v, w = _times(p, coefficients[1:4])
+        x += coefficients[0, 0] + u - goals[n, 0]
+        y += coefficients[0, 1] + v - goals[n, 1]
+        z += coefficients[0, 2] + w - goals[n, 2]
+        far[n] = math.sqrt(x * x + y * y + z * z)
+        off[n] = x * goal_normals[n, 0] + y * goal_normals[n, 1] + z * goal_normals[n, 2]
+        x, y, z = _times((normals[n, 0], normals[n, 1], normals[n, 2]), back.T)
+        length = math.sqrt(x * x + y * y + z * z)
+        if length > 0.0:
+            x, y, z = x * goal_normals[n, 0], y * goal_normals[n, 1], z * goal_normals[n, 2]
+            cosine[n] = (x + y + z) / length
+    return off, far, cosine
+
+
+@njit(cache=True, nogil=True)
+def normal_equations(
+    terms: FloatArray, normals: FloatArray, weight: FloatArray, off: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Normal matrix and right side of the weighted least squares for the change of a warp's coefficients.
+
+    A change δ (c, 3) moves the point with `terms` t (k, c) by t·δ, and so n·(t·δ) off the tangent plane whose
+    normal is n (k, 3); it is to be −`off` (k,). The unknowns stand row by row: (3c, 3c) and (3c,).
+    """
+    count = terms.shape[1]
+    matrix, right = np.zeros((3 * count, 3 * count)), np.zeros(3 * count)
+    slope = np.empty(3 * count)
+    for k in range(len(terms)):
+        if weight[k] == 0.0:
+            continue
+        for t in range(count):
+            for i in range(3):
+                slope[3 * t + i] = terms[k, t] * normals[k, i]
+        for a in range(3 * count):
+            scaled = weight[k] * slope[a]
+            right[a] -= scaled * off[k]
+            for b in range(a + 1):
+                matrix[a, b] += scaled * slope[b]
+    for a in range(3 * count):
+        for b in range(a):
+            matrix[b, a] = matrix[a, b]
+    return matrix, right
+
+
+@njit(cache=True)
+def _times(row: Vector, matrix: FloatArray) -> Vector:
+    x, y, z = row
+    return (
+        x * matrix[0, 0] + y * matrix[1, 0] + z * matrix[2, 0],
+        x * matrix[0, 1] + y * matrix[1, 1] + z * matrix[2, 1],
+        x * matrix[0, 2] + y * matrix[1, 2] + z * matrix[2, 2],
+    )
+
+
+@njit(cache=True)
+def _bent(point: Vector, coefficients: FloatArray) -> Vector:
+    """What the quadratic terms of a warp add to a point."""
+    x, y, z = point
+    c = coefficients[4:]
+    xx, yy, zz, xy, yz, zx = x * x, y * y, z * z, x * y, y * z, z * x
+    return (
+        xx * c[0, 0] + yy * c[1, 0] + zz * c[2, 0] + xy * c[3, 0] + yz * c[4, 0] + zx * c[5, 0],
+        xx * c[0, 1] + yy * c[1, 1] + zz * c[2, 1] + xy * c[3, 1] + yz * c[4, 1] + zx * c[5, 1],
+        xx * c[0, 2] + yy * c[1, 2] + zz * c[2, 2] + xy * c[3, 2] + yz * c[4, 2] + zx * c[5, 2],
+    )
 
 
 @njit(cache=True)

@@ -1,10 +1,12 @@
 """Warps: maps of space whose coordinates are polynomials of second degree, so nearly linear ones too."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from wm3d.arrays import FloatArray
+from wm3d.scanner.registration import kernels
 
 LINEAR_TERMS, QUADRATIC_TERMS = 4, 10
 
@@ -49,9 +51,14 @@ class Warp:
         """The matrix of the linear part, (3, 3)."""
         return self.coefficients[1:LINEAR_TERMS].T
 
+    @cached_property
+    def back(self) -> FloatArray:
+        """The inverse of the linear part, for rows: (3, 3)."""
+        return np.linalg.inv(self.coefficients[1:LINEAR_TERMS])
+
     def normals(self, normals: FloatArray) -> FloatArray:
         """Return the unit normals (n, 3) of surfaces that the linear part maps."""
-        turned = normals @ np.linalg.inv(self.matrix)
+        turned = normals @ self.back.T
         length = np.linalg.norm(turned, axis=1, keepdims=True)
         unit: FloatArray = turned / np.where(length > 0, length, 1.0)
         return unit
@@ -67,13 +74,8 @@ class Warp:
 
         Elsewhere the search for them may run away; it ends at `FARTHEST`.
         """
-        back = np.linalg.inv(self.matrix).T
-        straight = images - self.coefficients[0]
-        points: FloatArray = straight @ back
-        if self.coefficients[LINEAR_TERMS:].any():
-            for _ in range(_ROUNDS):
-                bent = terms(points)[:, LINEAR_TERMS:] @ self.coefficients[LINEAR_TERMS:]
-                points = np.clip((straight - bent) @ back, -FARTHEST, FARTHEST)
+        rounds = _ROUNDS if self.coefficients[LINEAR_TERMS:].any() else 0
+        points: FloatArray = kernels.preimages(images, self.coefficients, self.back, rounds, FARTHEST)
         return points
 
 
