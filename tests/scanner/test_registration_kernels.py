@@ -9,6 +9,7 @@ from shapes import rotation
 from wm3d.metrics.surface import boxes, tree_order
 from wm3d.scanner.registration.kernels import (
     CELL,
+    FACING,
     GRID,
     HALF_WIDTH,
     NEARNESS,
@@ -61,8 +62,9 @@ def test_best_of_the_sizes_and_shifts_tried_is_that_of_all_looked_up_at_once():
     assert list(zip(size, shift, strict=True)) == [pairs[best] for best in means.argmin(axis=1)]
 
 
-def test_misfit_is_the_distance_from_the_plane_of_the_nearest_landmark_and_a_part_of_that_from_it():
+def test_misfit_counts_the_nearest_landmark_by_its_plane_its_distance_and_its_normal():
     points, normals = RNG.normal(size=(2, 9, 3))
+    probe_normals = RNG.normal(size=PROBES.shape)
     nearest = RNG.integers(0, 9, GRID**3)
     sizes, shifts = RNG.uniform(0.5, 1.1, 30), RNG.normal(0, 0.3, (30, 3))
     places = sizes[:, None, None] * (PROBES @ TURNS.swapaxes(1, 2)) + shifts[:, None]
@@ -70,6 +72,8 @@ def test_misfit_is_the_distance_from_the_plane_of_the_nearest_landmark_and_a_par
     landmark = nearest[numbered(places)]
     off = np.abs(np.einsum("nki,nki->nk", places - points[landmark], normals[landmark]))
     assert (off < OFF).any()
-    expected = (np.minimum(off, OFF) + NEARNESS * DISTANCE[numbered(places)]).mean(axis=1)
-    found = misfits(PROBES, TURNS, sizes, shifts, points, normals, nearest, DISTANCE)
+    cosine = np.einsum("nki,nki->nk", probe_normals @ TURNS.swapaxes(1, 2), normals[landmark])
+    parts = np.minimum(off, OFF) + NEARNESS * DISTANCE[numbered(places)] + FACING * (1 - cosine)
+    expected = parts.mean(axis=1)
+    found = misfits(PROBES, probe_normals, TURNS, sizes, shifts, points, normals, nearest, DISTANCE)
     np.testing.assert_allclose(found, expected, rtol=1e-12)

@@ -182,6 +182,7 @@ def test_reading_is_the_same_after_every_linear_map_and_in_every_order(attack, e
         (Crop(percent=10), 0.7),
         (Crop(percent=30), 0.6),
         (Chain(then=(Crop(percent=30), Similarity())), 0.6),
+        (Chain(then=(Mirror(), Crop(percent=40), Similarity())), 0.5),
         (HalfSpaceCrop(percent=20), 0.6),
     ],
     ids=lambda value: value.label() if isinstance(value, Attack) else "",

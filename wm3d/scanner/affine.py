@@ -140,8 +140,13 @@ def recognized(mesh: Mesh, reference: SolidMoments, ways: int = 1) -> tuple[Mesh
         image = moments.mapped(np.diag(MIRROR))._replace(centroid=moments.centroid * MIRROR)
         mirrored = fitted_frame(image, reference)
         if mirrored.misfit < MIRRORED * fit.misfit:
-            return Mesh(mesh.vertices * MIRROR, mesh.faces[:, ::-1], mesh.name), [mirrored.frame]
+            return mirror_image(mesh), [mirrored.frame]
     return mesh, [fit.frame]
+
+
+def mirror_image(mesh: Mesh) -> Mesh:
+    """Return the mirror image of a mesh."""
+    return Mesh(mesh.vertices * MIRROR, mesh.faces[:, ::-1], mesh.name)
 
 
 def fitted_frame(moments: SolidMoments, reference: SolidMoments) -> FittedFrame:

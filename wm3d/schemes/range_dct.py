@@ -4,122 +4,30 @@ import math
 from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field
 
 from wm3d.arrays import FloatArray
 from wm3d.attacks import GaussianNoise, Similarity
-from wm3d.errors import NoSolidError, Wm3dError
+from wm3d.errors import Wm3dError
 from wm3d.imagemarks.blocks import AC, BLOCK, block_dct
 from wm3d.imagemarks.fine_signs import LAYERS, FineSigns
 from wm3d.imagemarks.shaped_dct import ShapedDct
-from wm3d.mesh import Mesh, SolidMoments, solid_moments, whole_surface
-from wm3d.mesh.solid import ENTRIES
-from wm3d.packing import packed, unpacked
-from wm3d.scanner.affine import MOST_WAYS, AffineFrame, recognized
-from wm3d.scanner.denoise import denoised, whitened_area
-from wm3d.scanner.registration import CLEAR, Landmarks, Surface, Warp, nearest, registered
-from wm3d.scanner.scan import MAX_GRID
+from wm3d.mesh import Mesh, solid_moments, whole_surface
+from wm3d.packing import packed
+from wm3d.scanner.denoise import whitened_area
+from wm3d.scanner.registration import Landmarks, Surface, Warp
 from wm3d.schemes.base import Scheme
 from wm3d.schemes.informed import change_of, informed_moves
 from wm3d.schemes.settled import settled_moves
 from wm3d.schemes.volume_host import Host, Layout, host_of
+from wm3d.schemes.volume_reference import Reference
 from wm3d.stats import RademacherSum, key_signs
-
-FARTHEST = 1e60
-"""Bound of the entries of a stored pose, and 1 over it of its matrix: squares of the places that it leads to
-and comes from are finite, whatever the unit of the mesh."""
 
 TRIALS, TRIAL_NOISE = 3, 0.3
 """How often the mark of a symmetric solid must bear how much noise, in percent of the diagonal."""
 
 MOST_ALPHA = 32.0
 """Bound of the strength: at 10 dB little of the mesh is left, and faces that span all of it take minutes."""
-
-GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
-Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
-
-
-def _checked_landmarks(text: str) -> str:
-    Landmarks.decode(text)
-    return text
-
-
-def _checked_steps(text: str) -> str:
-    if (unpacked(text, 1, "steps") < 0).any():
-        raise ValueError("steps must not be negative")
-    return text
-
-
-def _checked_home(home: tuple[float, ...]) -> tuple[float, ...]:
-    if max(map(abs, home[:9])) < 1 / FARTHEST:
-        raise ValueError(f"a pose must not shrink a mesh by more than {FARTHEST:g}")
-    return home
-
-
-class Reference(BaseModel):
-    """What the embedder works out for a mesh and detection needs; part of the key.
-
-    Attributes
-    ----------
-    grid : (N_v, N_u)
-        Columns around and rows along the axis.
-    hmin, height : float
-        Lower end and height of the cylinder, from the solid's centroid, in the unit of the frame.
-    moments : (31,) tuple of float
-        `SolidMoments.entries` of the marked solid in the frame of the scanner.
-    offset : (3,) tuple of float
-        Where the marked solid's centroid lies in that frame.
-    area : float
-        `whitened_area` of the marked mesh.
-    landmarks : str
-        `Landmarks` of the marked mesh, in that frame.
-    home : (12,) tuple of float
-        Matrix and shift of the linear map that took the marked mesh into that frame.
-    strength : float
-        Amplitude of the mark that can be read back, in the unit of the frame.
-    steps : str
-        `FineSigns.step` of each block, in the cubed unit of the frame.
-    ways : int
-        In how many ways the solid can be laid on itself, or nearly; more than 1 for a symmetric one.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    grid: tuple[GridSize, GridSize]
-    hmin: float
-    height: Annotated[float, Field(gt=0)]
-    moments: Annotated[tuple[float, ...], Field(min_length=ENTRIES, max_length=ENTRIES)]
-    offset: tuple[Entry, Entry, Entry]
-    area: Annotated[float, Field(gt=0)]
-    landmarks: Annotated[str, AfterValidator(_checked_landmarks)]
-    home: Annotated[tuple[Entry, ...], Field(min_length=12, max_length=12), AfterValidator(_checked_home)]
-    strength: Annotated[float, Field(gt=0)]
-    steps: Annotated[str, AfterValidator(_checked_steps)]
-    ways: Annotated[int, Field(ge=1, le=MOST_WAYS)] = 1
-
-    @model_validator(mode="after")
-    def _one_step_a_block(self) -> Self:
-        blocks, steps = self.grid[0] * self.grid[1] // BLOCK**2, len(self.fine.step)
-        if steps != blocks:
-            raise ValueError(
-                f"a grid of {self.grid[0]}×{self.grid[1]} has {blocks} blocks, but {steps} steps are given"
-            )
-        return self
-
-    @property
-    def fine(self) -> FineSigns:
-        """Where fine signs lie."""
-        return FineSigns(unpacked(self.steps, 1, "steps"))
-
-    def pose(self, frame: AffineFrame, surface: Surface) -> Warp:
-        """Return the map that lays a surface in the frame as its moments say."""
-        shift = frame.matrix @ (surface.middle - frame.centroid) + self.offset
-        return Warp.linear(surface.size * frame.matrix, shift)
-
-    def home_pose(self, surface: Surface) -> Warp:
-        """Return the map that lays a surface in the frame as if it never moved."""
-        matrix, shift = np.reshape(self.home[:9], (3, 3)), np.array(self.home[9:])
-        return Warp.linear(surface.size * matrix, matrix @ surface.middle + shift)
 
 
 class RangeDct(Scheme):
@@ -143,7 +51,7 @@ class RangeDct(Scheme):
         What `embed` finds out of the mesh; detection needs it.
     """
 
-    version: ClassVar[int] = 8
+    version: ClassVar[int] = 9
 
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"
@@ -205,30 +113,11 @@ class RangeDct(Scheme):
             return False
 
     def evidence(self, mesh: Mesh) -> RademacherSum:
-        """Mend the surface, smooth crumples, pose, lay the surface over the landmarks, read the volume image.
-
-        Of the poses of a symmetric solid the landmarks choose one, and they lie on what the right key made of
-        the surface: on an unmarked one, too, that key does better there than in the others. So all of them
-        count as tries. See `Scheme.evidence`.
-        """
+        """Mend the surface, lay it where the marked one lay, read the volume image. See `Scheme.evidence`."""
         known = self._known
-        mesh = whole_surface(mesh)
-        landmarks = Landmarks.decode(known.landmarks)
-        try:
-            mesh, frames = recognized(
-                denoised(mesh, known.area), SolidMoments.of_entries(known.moments), known.ways
-            )
-        except NoSolidError:  # as what one view of a scanner saw: the landmarks alone may tell where it lies
-            surface, tries = Surface.of(mesh), known.ways
-            found = registered(surface, landmarks, (known.home_pose(surface),))
-            if found.share < CLEAR:
-                raise
-        else:
-            surface, tries = Surface.of(mesh), len(frames)
-            pose = nearest(surface, landmarks, [known.pose(frame, surface) for frame in frames])
-            found = registered(surface, landmarks, (pose, known.home_pose(surface)))
+        mesh, vertices, tries = known.laid(whole_surface(mesh))
         layout = Layout(known.grid, known.hmin, known.height)
-        image = layout.image(found.warp(surface.placed(mesh.vertices)), mesh)
+        image = layout.image(vertices, mesh)
         mark = ShapedDct.of(image.volumes, image.areas)
         expected = mark.evidence(known.strength).b, known.fine.expected(mark)
         return RademacherSum(0.0, np.concatenate(expected), tries)

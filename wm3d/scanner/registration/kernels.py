@@ -17,9 +17,10 @@ GRID, HALF_WIDTH = 50, 2.5
 
 CELL = 2 * HALF_WIDTH / GRID
 
-OFF, NEARNESS = 0.25, 0.3
-"""Distance from a landmark's tangent plane that counts in full, and what the distance from it counts beside.
-A smooth surface lies near to landmarks in wrong places too, but not in their planes."""
+OFF, NEARNESS, FACING = 0.25, 0.3, 0.1
+"""Distance from a landmark's tangent plane that counts in full, and what the distance from the landmark and
+1 − the cosine of the normals count beside. A smooth surface lies near to landmarks in wrong places too, but
+not in their planes."""
 
 Vector = tuple[float, float, float]
 
@@ -97,10 +98,10 @@ def _keep(p: Vector, points: FloatArray, t: int, square: FloatArray, index: IntA
 def preimages(
     images: FloatArray, coefficients: FloatArray, back: FloatArray, rounds: int, farthest: float
 ) -> FloatArray:
-    """Points (k, 3) that a warp takes to `images`, by so many rounds of a fixed-point iteration.
+    """Find the points (k, 3) that a warp takes to `images`, by so many rounds of a fixed-point iteration.
 
-    `coefficients` (10, 3) are those of `Warp`, `back` (3, 3) is the inverse of their linear rows; no coordinate
-    gets beyond `farthest`.
+    `coefficients` (10, 3) are those of `Warp`, `back` (3, 3) is the inverse of their linear rows; no
+    coordinate gets beyond `farthest`.
     """
     points = np.empty((len(images), 3))
     for n in range(len(images)):
@@ -131,7 +132,7 @@ def compared(
     coefficients: FloatArray,
     back: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """How warped points of a surface lie to points of another: (k,) each.
+    """Compare warped points of a surface with points of another: (k,) each.
 
     Returns their distances from the tangent planes there, their distances, and the cosines of the normals; 0
     where a surface has no normal. The normals go with the linear part of the warp; see `preimages`.
@@ -158,7 +159,7 @@ def compared(
 def normal_equations(
     terms: FloatArray, normals: FloatArray, weight: FloatArray, off: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Normal matrix and right side of the weighted least squares for the change of a warp's coefficients.
+    """Set up the weighted least squares for the change of a warp's coefficients: matrix and right side.
 
     A change δ (c, 3) moves the point with `terms` t (k, c) by t·δ, and so n·(t·δ) off the tangent plane whose
     normal is n (k, 3); it is to be −`off` (k,). The unknowns stand row by row: (3c, 3c) and (3c,).
@@ -195,7 +196,7 @@ def _times(row: Vector, matrix: FloatArray) -> Vector:
 
 @njit(cache=True)
 def _bent(point: Vector, coefficients: FloatArray) -> Vector:
-    """What the quadratic terms of a warp add to a point."""
+    """Return what the quadratic terms of a warp add to a point."""
     x, y, z = point
     c = coefficients[4:]
     xx, yy, zz, xy, yz, zx = x * x, y * y, z * z, x * y, y * z, z * x
@@ -215,7 +216,7 @@ def cells(places: FloatArray) -> IntArray:
     return numbers
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def nearest_tried(
     probes: FloatArray, turns: FloatArray, sizes: FloatArray, shifts: FloatArray, distance: FloatArray
 ) -> tuple[FloatArray, IntArray, IntArray]:
@@ -237,9 +238,10 @@ def nearest_tried(
     return least, size, shift
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def misfits(
     probes: FloatArray,
+    probe_normals: FloatArray,
     turns: FloatArray,
     sizes: FloatArray,
     shifts: FloatArray,
@@ -248,13 +250,13 @@ def misfits(
     nearest: IntArray,
     distance: FloatArray,
 ) -> FloatArray:
-    """How far (k, 3) probes lie off the planes of landmarks in each of n poses, on average: (n,).
+    """How far (k, 3) probes lie off landmarks in each of n poses, on average: (n,). See `OFF`.
 
     Landmarks are `points` and `normals`; each cell holds the `nearest` of them and its `distance`.
     """
     means = np.empty(len(turns))
     for n in range(len(turns)):
-        turned = _turned(probes, turns[n])
+        turned, turned_normals = _turned(probes, turns[n]), _turned(probe_normals, turns[n])
         total = 0.0
         for k in range(len(probes)):
             x, y, z = _placed(turned[k], sizes[n], shifts[n])
@@ -262,7 +264,9 @@ def misfits(
             i = nearest[cell]
             off = (x - points[i, 0]) * normals[i, 0] + (y - points[i, 1]) * normals[i, 1]
             off = abs(off + (z - points[i, 2]) * normals[i, 2])
-            total += min(off, OFF) + NEARNESS * distance[cell]
+            cosine = turned_normals[k, 0] * normals[i, 0] + turned_normals[k, 1] * normals[i, 1]
+            cosine += turned_normals[k, 2] * normals[i, 2]
+            total += min(off, OFF) + NEARNESS * distance[cell] + FACING * (1.0 - cosine)
         means[n] = total / len(probes)
     return means
 

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from wm3d.arrays import IntArray
 from wm3d.scanner.registration.fit import FLOOR, Fit, fitted, share_met
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.search import turned_starts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
+from wm3d.scanner.threads import by_halves
 
 EXACT = FLOOR / 2
 """Distance at which half of the landmarks must be met for a pose to be left as it is."""
@@ -35,11 +37,14 @@ FLATTENING = 1e6
 SKETCH, SKETCH_ROUNDS = 3, 15
 """Turned starts are tried on one landmark in so many, for so many rounds."""
 
-BATCH, CLEAR = 16, 0.4
+BATCH, CLEAR = 8, 0.4
 """They are tried so many at a time, until one meets this share of the landmarks."""
 
-FINALISTS, MOST_FINALISTS = 3, 16
+FINALISTS, MOST_FINALISTS = 3, 8
 """The best few are fitted in full; more, one after the other, as long as none meets that share."""
+
+PROMISING = 0.75
+"""A start is left where its sketch meets less than this part of what another surface meets."""
 
 
 def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) -> Fit:
@@ -71,6 +76,14 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
     return _best(fits)
 
 
+def better(surface: Surface, landmarks: Landmarks, fit: Fit) -> Fit | None:
+    """Return a fit from a turned start that is clear, and better than one of another surface, if any is."""
+    if len(landmarks.points) < FEWEST:
+        return None
+    best = _best([fit, *_searched(surface, landmarks, PROMISING * fit.share)])
+    return best if best is not fit and best.share >= CLEAR else None
+
+
 def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> list[Fit]:
     """Fit a linear map first and then, from there, a quadratic one."""
     linear = fitted(surface, landmarks, start, quadratic=False)
@@ -85,19 +98,25 @@ def _best(fits: list[Fit]) -> Fit:
     return best
 
 
-def _searched(surface: Surface, landmarks: Landmarks) -> list[Fit]:
-    """Return the fits from the turned starts that a sketch of the landmarks likes best, those first."""
-    sketch = landmarks.every(SKETCH)
+def _searched(surface: Surface, landmarks: Landmarks, least: float = 0.0) -> list[Fit]:
+    """Return the fits from the turned starts whose sketch meets most landmarks, and so many, those first."""
+    sketch, starts = landmarks.every(SKETCH), turned_starts(surface, landmarks)
+
+    def sketches(numbers: IntArray) -> list[Fit]:
+        return [
+            fitted(surface, sketch, starts[k], quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
+            for k in numbers
+        ]
+
     sketched: list[Fit] = []
-    for number, start in enumerate(turned_starts(surface, landmarks)):
-        if number % BATCH == 0 and _clear(sketched):
+    for first in range(0, len(starts), BATCH):
+        one, other = by_halves(sketches, np.arange(first, min(first + BATCH, len(starts))))
+        sketched += one + other
+        if _clear(sketched):
             break
-        sketched.append(
-            fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
-        )
     fits: list[Fit] = []
     for best in sorted(sketched, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
-        if len(fits) >= FINALISTS and _clear(fits):
+        if best.share < least or (len(fits) >= FINALISTS and _clear(fits)):
             break
         fits.append(_best(_bent(surface, landmarks, best.warp)))
     return fits

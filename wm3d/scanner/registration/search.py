@@ -1,6 +1,7 @@
 """Starts for a fit where nothing is known of the pose: turns, shifts and sizes of a part of the model."""
 
 import itertools
+import math
 from collections.abc import Iterator
 from typing import NamedTuple, Self
 
@@ -12,11 +13,12 @@ from wm3d.arrays import BoolArray, FloatArray, IntArray
 from wm3d.scanner.registration import kernels
 from wm3d.scanner.registration.kernels import CELL, GRID
 from wm3d.scanner.registration.landmarks import Landmarks
-from wm3d.scanner.registration.surface import POINTS, Surface
+from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
+from wm3d.scanner.threads import by_halves
 from wm3d.scanner.turns import TURNS, apart, turns
 
-STARTS, APART = 64, 20.0
+STARTS, APART = 32, 20.0
 """How many starts are returned, the best first, and the least angle between two, in degrees."""
 
 SIZES = (1.0, 0.85, 0.7)
@@ -26,7 +28,8 @@ _EDGES = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) 
 SHIFTS = np.vstack(
     [np.zeros((1, 3)), *(step * sign * np.eye(3) for step in (0.3, 0.6) for sign in (-1, 1)), 0.3 * _EDGES]
 )
-"""Places of its middle tried, relative to that of the landmarks, in their size; also between the axes."""
+"""Places of its middle tried, relative to that of the landmarks and their size, along the axes and between
+them; where they spread farther along one, half of the model lies farther off there, and places do too."""
 
 CANDIDATES, CLOSE = 256, 10.0
 """How many of the places tried are improved, the best first, and the least angle between two, in degrees."""
@@ -37,8 +40,9 @@ STEPS = (0.3, 0.2, 0.2, 0.1, 0.1, 0.05)
 LEAST_SIZE, MOST_SIZE = 0.5, 1.1
 """Bounds of the sizes that are come to."""
 
-PROBES, FAR = 64, 0.5
-"""Points of the surface by which starts are compared, and the distance from which one counts as lost."""
+PROBES, FEW_PROBES, FAR = 250, 64, 0.5
+"""Points of the surface, about, by which the best and by which all places are compared, and the distance from
+which one counts as lost."""
 
 
 class _Places(NamedTuple):
@@ -102,10 +106,10 @@ class _Field(NamedTuple):
         nearest = landmark.reshape(cube.shape)[i, j, k]
         return cls(points, normals, nearest.ravel(), np.minimum(distance * CELL, FAR).ravel())
 
-    def misfit(self, places: _Places, probes: FloatArray) -> FloatArray:
-        """Return how far (k, 3) probes lie off the landmarks' planes in each of (n,) places, on average."""
+    def misfit(self, places: _Places, probes: Landmarks) -> FloatArray:
+        """Return how far probes lie off the landmarks in each of (n,) places, on average."""
         misfit: FloatArray = kernels.misfits(
-            *(probes, places.turn, places.size, places.shift),
+            *(probes.points, probes.normals, places.turn, places.size, places.shift),
             *(self.points, self.normals, self.nearest, self.distance),
         )
         return misfit
@@ -115,18 +119,22 @@ def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
     """Return the ways to lay a surface on landmarks under which its points come nearest to them.
 
     Points of the surface look for landmarks and not the other way round, since of a model that lost a part
-    every point still has its landmark. Turns are tried all around, each at the best of some sizes and shifts;
-    the best of these places are improved in small steps towards the tangent planes, and compared by these.
+    every point still has its landmark: those that would be landmarks themselves. Turns are tried all around,
+    each at the best of some sizes and shifts; the best of these places are improved in small steps towards
+    the tangent planes, and compared by these and by the normals.
     """
     goal = landmarks.points.mean(axis=0)
-    size = float(np.sqrt(((landmarks.points - goal) ** 2).sum(axis=1).mean()))
+    spread = landmarks.points.std(axis=0)
+    size = float(np.linalg.norm(spread))
     field = _Field.of((landmarks.points - goal) / size, landmarks.normals)
-    probes = np.ascontiguousarray(surface.points[:: POINTS // PROBES])
+    probes = Landmarks.of(surface, Warp.linear(np.eye(3), np.zeros(3)))
 
-    tried, misfit = _tried(probes, field.distance)
+    few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
+    tried, misfit = _tried(few, SHIFTS * math.sqrt(3) * spread / size, field.distance)
     best = np.argsort(misfit, kind="stable")
     best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
-    places = _improved(_Places(*(part[best] for part in tried)), probes, field)
+    halves = by_halves(lambda half: _improved(_Places(*(part[half] for part in tried)), probes, field), best)
+    places = _Places(*(np.concatenate(parts) for parts in zip(*halves, strict=True)))
     order = np.argsort(field.misfit(places, probes), kind="stable")
     chosen = order[apart(places.turn[order], APART, STARTS)]
     return [
@@ -134,15 +142,17 @@ def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
     ]
 
 
-def _tried(probes: FloatArray, distance: FloatArray) -> tuple[_Places, FloatArray]:
+def _tried(probes: Landmarks, shifts: FloatArray, distance: FloatArray) -> tuple[_Places, FloatArray]:
     """Return the best size and shift for each of many turns, and how far the probes then lie off: (n,)."""
     candidates = turns(TURNS) * [1.0, 1.0, -1.0]  # the frame is left-handed
     sizes = np.array(SIZES)
-    misfit, size, shift = kernels.nearest_tried(probes, candidates, sizes, SHIFTS, distance)
-    return _Places(candidates, sizes[size], SHIFTS[shift]), misfit
+    points = np.ascontiguousarray(probes.points)
+    halves = by_halves(lambda half: kernels.nearest_tried(points, half, sizes, shifts, distance), candidates)
+    misfit, size, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
+    return _Places(candidates, sizes[size], shifts[shift]), misfit
 
 
-def _improved(places: _Places, probes: FloatArray, field: _Field) -> _Places:
+def _improved(places: _Places, probes: Landmarks, field: _Field) -> _Places:
     """Take steps downhill from each place, every one in the best of the directions."""
     for step in STEPS:
         best, least = places, field.misfit(places, probes)

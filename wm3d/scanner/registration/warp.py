@@ -54,7 +54,7 @@ class Warp:
     @cached_property
     def back(self) -> FloatArray:
         """The inverse of the linear part, for rows: (3, 3)."""
-        return np.linalg.inv(self.coefficients[1:LINEAR_TERMS])
+        return np.asarray(np.linalg.inv(self.coefficients[1:LINEAR_TERMS]), dtype=float)
 
     def normals(self, normals: FloatArray) -> FloatArray:
         """Return the unit normals (n, 3) of surfaces that the linear part maps."""

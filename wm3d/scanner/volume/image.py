@@ -1,18 +1,13 @@
 """The volume image: what a cylindrical scanner reads that sees through the model to its axis."""
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
-from numba import config
 from scipy.sparse import csc_array, csr_array, vstack
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.scanner.threads import by_halves
 from wm3d.scanner.volume import kernels
-
-T = TypeVar("T")
 
 SAMPLES = 1.5
 """Parts of a face along its longer side, per cell of the image that it spans; more for coarse meshes gain
@@ -69,7 +64,7 @@ def volume_image(
     """
     columns, rows = grid
     cylinder = rows, columns, hmin, height, SAMPLES
-    halves = _by_halves(lambda half: kernels.deposit(posed, half, *cylinder), faces)
+    halves = by_halves(lambda half: kernels.deposit(posed, half, *cylinder), faces)
     volumes, areas = (one + other for one, other in zip(*halves, strict=True))
     return VolumeImage(-outward * volumes, areas)  # minus: s1, s2, s3 are left-handed
 
@@ -102,11 +97,11 @@ def volume_jacobian(
     """
     columns, rows = grid
     cylinder = rows, columns, hmin, height, JACOBIAN_SAMPLES
-    halves = _by_halves(lambda half: kernels.differentiate(posed, half, directions, *cylinder), faces)
+    halves = by_halves(lambda half: kernels.differentiate(posed, half, directions, *cylinder), faces)
     cells, vertices, values = (np.concatenate(both) for both in zip(*halves, strict=True))
     n, width = len(posed), rows * columns
     values *= -outward
-    by_vertex = _by_halves(
+    by_vertex = by_halves(
         lambda of: _rows(kernels.gathered(cells, vertices, values, of[0], of[-1] + 1, width), width),
         np.arange(n),
     )
@@ -119,16 +114,6 @@ def _rows(csr: tuple[FloatArray, IntArray, IntArray], width: int) -> csr_array:
     if starts[-1] <= np.iinfo(indices.dtype).max:  # else SciPy would make the indices as wide: slower
         starts = starts.astype(indices.dtype)
     return csr_array((data, indices, starts), shape=(len(starts) - 1, width))
-
-
-def _by_halves(kernel: Callable[[IntArray], T], items: IntArray) -> tuple[T, T]:
-    """Return what a kernel makes of each half of the faces, or other items; it must not hold the GIL.
-
-    At a time where numba may use two threads. The numbers do not depend on that.
-    """
-    with ThreadPoolExecutor(min(2, config.NUMBA_NUM_THREADS)) as threads:
-        one, other = threads.map(kernel, np.array_split(items, 2))
-    return one, other
 
 
 def volume_image_reference(

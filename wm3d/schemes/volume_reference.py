@@ -1,0 +1,163 @@
+"""What the key holds of a mesh that `range-dct` marked, and how it lays a suspect where that lay."""
+
+from typing import Annotated, NamedTuple, Self
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from wm3d.arrays import FloatArray
+from wm3d.errors import NoSolidError
+from wm3d.imagemarks.blocks import BLOCK
+from wm3d.imagemarks.fine_signs import FineSigns
+from wm3d.mesh import Mesh, SolidMoments
+from wm3d.mesh.solid import ENTRIES
+from wm3d.packing import unpacked
+from wm3d.scanner.affine import MOST_WAYS, AffineFrame, mirror_image, recognized
+from wm3d.scanner.denoise import denoised
+from wm3d.scanner.registration import (
+    CLEAR,
+    Landmarks,
+    Surface,
+    Warp,
+    better,
+    nearest,
+    registered,
+)
+from wm3d.scanner.scan import MAX_GRID
+
+FARTHEST = 1e60
+"""Bound of the entries of a stored pose, and 1 over it of its matrix: squares of the places that it leads to
+and comes from are finite, whatever the unit of the mesh."""
+
+DOUBTFUL = 0.6
+"""Share of the landmarks met below which the mirror image may meet more. Where a tenth was cut off a nearly
+symmetric head, its mirror image meets up to 0.54; where 30 % was, what is left meets 0.58 or more."""
+
+GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
+Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
+
+
+def _checked_landmarks(text: str) -> str:
+    Landmarks.decode(text)
+    return text
+
+
+def _checked_steps(text: str) -> str:
+    if (unpacked(text, 1, "steps") < 0).any():
+        raise ValueError("steps must not be negative")
+    return text
+
+
+def _checked_home(home: tuple[float, ...]) -> tuple[float, ...]:
+    if max(map(abs, home[:9])) < 1 / FARTHEST:
+        raise ValueError(f"a pose must not shrink a mesh by more than {FARTHEST:g}")
+    return home
+
+
+class Laid(NamedTuple):
+    """A suspect as it is read: a mesh, its vertices (n, 3) in the scanner's frame, how many poses it had."""
+
+    mesh: Mesh
+    vertices: FloatArray
+    tries: int
+
+
+class Reference(BaseModel):
+    """What the embedder works out for a mesh and detection needs; part of the key.
+
+    Attributes
+    ----------
+    grid : (N_v, N_u)
+        Columns around and rows along the axis.
+    hmin, height : float
+        Lower end and height of the cylinder, from the solid's centroid, in the unit of the frame.
+    moments : (31,) tuple of float
+        `SolidMoments.entries` of the marked solid in the frame of the scanner.
+    offset : (3,) tuple of float
+        Where the marked solid's centroid lies in that frame.
+    area : float
+        `whitened_area` of the marked mesh.
+    landmarks : str
+        `Landmarks` of the marked mesh, in that frame.
+    home : (12,) tuple of float
+        Matrix and shift of the linear map that took the marked mesh into that frame.
+    strength : float
+        Amplitude of the mark that can be read back, in the unit of the frame.
+    steps : str
+        `FineSigns.step` of each block, in the cubed unit of the frame.
+    ways : int
+        In how many ways the solid can be laid on itself, or nearly; more than 1 for a symmetric one.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    grid: tuple[GridSize, GridSize]
+    hmin: float
+    height: Annotated[float, Field(gt=0)]
+    moments: Annotated[tuple[float, ...], Field(min_length=ENTRIES, max_length=ENTRIES)]
+    offset: tuple[Entry, Entry, Entry]
+    area: Annotated[float, Field(gt=0)]
+    landmarks: Annotated[str, AfterValidator(_checked_landmarks)]
+    home: Annotated[tuple[Entry, ...], Field(min_length=12, max_length=12), AfterValidator(_checked_home)]
+    strength: Annotated[float, Field(gt=0)]
+    steps: Annotated[str, AfterValidator(_checked_steps)]
+    ways: Annotated[int, Field(ge=1, le=MOST_WAYS)] = 1
+
+    @model_validator(mode="after")
+    def _one_step_a_block(self) -> Self:
+        blocks, steps = self.grid[0] * self.grid[1] // BLOCK**2, len(self.fine.step)
+        if steps != blocks:
+            raise ValueError(
+                f"a grid of {self.grid[0]}×{self.grid[1]} has {blocks} blocks, but {steps} steps are given"
+            )
+        return self
+
+    @property
+    def fine(self) -> FineSigns:
+        """Where fine signs lie."""
+        return FineSigns(unpacked(self.steps, 1, "steps"))
+
+    def pose(self, frame: AffineFrame, surface: Surface) -> Warp:
+        """Return the map that lays a surface in the frame as its moments say."""
+        shift = frame.matrix @ (surface.middle - frame.centroid) + self.offset
+        return Warp.linear(surface.size * frame.matrix, shift)
+
+    def home_pose(self, surface: Surface) -> Warp:
+        """Return the map that lays a surface in the frame as if it never moved."""
+        matrix, shift = np.reshape(self.home[:9], (3, 3)), np.array(self.home[9:])
+        return Warp.linear(surface.size * matrix, matrix @ surface.middle + shift)
+
+    def laid(self, mesh: Mesh) -> Laid:
+        """Lay a suspect where the marked mesh lay: smooth crumples, pose, and fit it to the landmarks.
+
+        Of the poses of a symmetric solid the landmarks choose one, and they lie on what the right key made of
+        the surface: on an unmarked one, too, that key does better there than in the others. So all of them
+        count as tries. Of other solids that meet few landmarks the mirror image is tried: no moments tell
+        what is a part of one.
+
+        Raises
+        ------
+        NoSolidError
+            If the faces bound no solid and do not meet the landmarks either.
+        """
+        landmarks, moments = Landmarks.decode(self.landmarks), SolidMoments.of_entries(self.moments)
+        frames: list[AffineFrame] = []
+        failure = None
+        try:
+            mesh, frames = recognized(denoised(mesh, self.area), moments, self.ways)
+        except NoSolidError as error:  # as what one view of a scanner saw: the landmarks alone may tell
+            failure = error
+        surface = Surface.of(mesh)
+        poses = [self.home_pose(surface)]
+        if frames:
+            poses.insert(0, nearest(surface, landmarks, [self.pose(frame, surface) for frame in frames]))
+        found = registered(surface, landmarks, poses)
+        if found.share < DOUBTFUL and self.ways == 1:
+            image = mirror_image(mesh)
+            its_surface = Surface.of(image)
+            its_fit = better(its_surface, landmarks, found)
+            if its_fit is not None:
+                mesh, surface, found = image, its_surface, its_fit
+        if failure is not None and found.share < CLEAR:
+            raise failure
+        return Laid(mesh, found.warp(surface.placed(mesh.vertices)), len(frames) or self.ways)
