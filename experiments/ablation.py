@@ -25,7 +25,7 @@ from wm3d.scanner.affine import AffineFrame
 from wm3d.scanner.registration import Landmarks, Surface, Warp
 from wm3d.scanner.registration.fit import Fit
 from wm3d.scanner.volume import VolumeImage, volume_image
-from wm3d.schemes import informed, range_dct, volume_host
+from wm3d.schemes import informed, range_dct, volume_host, volume_reference
 
 MODELS = {"bunny-closed": 0.63, "happy-buddha-300k": 0.33}
 ATTACKED: list[tuple[str, dict[str, Any]]] = [
@@ -99,11 +99,11 @@ def no_offset(scheme: range_dct.RangeDct) -> range_dct.RangeDct:
 
 WITHOUT: dict[str, list[Any]] = {
     "nothing (range-dct as it is)": [],
-    "landmarks: the pose as the moments give it": [patch.object(range_dct, "registered", pose_alone)],
+    "landmarks: the pose as the moments give it": [patch.object(volume_reference, "registered", pose_alone)],
     "landmarks and moments: vertex-PCA pose": [
-        patch.object(range_dct, "registered", pose_alone),
+        patch.object(volume_reference, "registered", pose_alone),
         patch.object(volume_host, "principal_frame", pca_frame),
-        patch.object(range_dct, "recognized", in_pca_frame),
+        patch.object(volume_reference, "recognized", in_pca_frame),
     ],
     "volumes and informed embedding: first surface of one ray a cell": [
         patch.object(volume_host, "volume_image", first_surface),
