@@ -15,10 +15,13 @@ from wm3d.scanner.registration.kernels import (
     NEARNESS,
     OFF,
     cells,
+    compared,
     means_near,
     misfits,
     nearest_tried,
+    normal_equations,
 )
+from wm3d.scanner.registration.warp import Warp, terms
 
 RNG = np.random.default_rng(1)
 PROBES = RNG.normal(0, 1.2, (40, 3))  # some lie beside the cube
@@ -38,6 +41,36 @@ def test_surface_next_to_a_place_is_the_mean_of_the_nearest_points_and_of_their_
     mean, normal = means_near(places, points, normals, boxes(points[:, None]), 4)
     np.testing.assert_allclose(mean, points[nearest].mean(axis=1), rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(normal, normals[nearest].mean(axis=1), rtol=1e-12, atol=1e-12)
+
+
+def bent_warp() -> Warp:
+    return Warp(
+        np.vstack([RNG.normal(size=(1, 3)), rotation(4) * [1.0, 1.2, -0.8], RNG.normal(0, 0.02, (6, 3))])
+    )
+
+
+def test_warped_points_and_normals_are_compared_with_those_of_another_surface():
+    warp = bent_warp()
+    points, normals, goals, goal_normals = RNG.normal(size=(4, 30, 3))
+    normals[0] = 0  # the faces around it cancel
+    off, far, cosine = compared(points, normals, goals, goal_normals, warp.coefficients, warp.back)
+    apart = warp(points) - goals
+    np.testing.assert_allclose(far, np.linalg.norm(apart, axis=1), rtol=1e-12)
+    np.testing.assert_allclose(off, (apart * goal_normals).sum(axis=1), rtol=1e-9)
+    np.testing.assert_allclose(cosine, (warp.normals(normals) * goal_normals).sum(axis=1), rtol=1e-9)
+    assert cosine[0] == 0
+
+
+@pytest.mark.parametrize("count", [4, 10])
+def test_change_of_a_warp_is_that_of_weighted_least_squares(count: int):
+    points, normals = RNG.normal(size=(2, 80, 3))
+    weight, off = RNG.uniform(0, 1, 80) * (RNG.uniform(size=80) > 0.2), RNG.normal(size=80)
+    design = terms(points)[:, :count]
+    slopes = (design[:, :, None] * normals[:, None, :]).reshape(80, -1)
+    root = np.sqrt(weight)
+    expected = np.linalg.lstsq(root[:, None] * slopes, -root * off, rcond=None)[0]
+    found = np.linalg.solve(*normal_equations(design, normals, weight, off))
+    np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-9)
 
 
 def numbered(places: np.ndarray) -> np.ndarray:

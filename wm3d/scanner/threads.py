@@ -14,7 +14,7 @@ Items = TypeVar("Items", FloatArray, IntArray)
 
 
 def by_halves(kernel: Callable[[Items], T], items: Items) -> tuple[T, T]:
-    """Return what a kernel makes of each half of the faces, or other items; it must not hold the GIL.
+    """Return what a kernel makes of each half of some items; it gains as far as it does not hold the GIL.
 
     At a time where numba may use two threads. The numbers do not depend on that.
     """
