@@ -115,7 +115,9 @@ def test_heat_map_holds_the_mean_over_meshes_of_every_budget_and_scheme():
 
 
 def test_quality_figure_has_a_line_for_each_scheme_at_its_scores():
-    figure = quality_figure(ranking(*tables(), PF), PF, MESHES, {})
+    detection = tables()[1].assign(trials=[3, *[5] * (len(tables()[1]) - 1)])
+    figure = quality_figure(ranking(*tables(), PF), detection, PF, MESHES, {})
+    assert "share of 3 to 5 keys found, each held to Pf by the exact key null" in figure.get_supxlabel()
     left, right = figure.axes
     assert [line.get_ydata().tolist() for line in left.lines] == [
         pytest.approx([0.5]),

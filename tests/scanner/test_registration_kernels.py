@@ -9,19 +9,18 @@ from shapes import rotation
 from wm3d.metrics.surface import boxes, tree_order
 from wm3d.scanner.registration.kernels import (
     CELL,
-    FACING,
     GRID,
     HALF_WIDTH,
     NEARNESS,
     OFF,
+    TILT,
     cells,
     compared,
     means_near,
     misfits,
     nearest_tried,
-    normal_equations,
 )
-from wm3d.scanner.registration.warp import Warp, terms
+from wm3d.scanner.registration.warp import Warp
 
 RNG = np.random.default_rng(1)
 PROBES = RNG.normal(0, 1.2, (40, 3))  # some lie beside the cube
@@ -61,18 +60,6 @@ def test_warped_points_and_normals_are_compared_with_those_of_another_surface():
     assert cosine[0] == 0
 
 
-@pytest.mark.parametrize("count", [4, 10])
-def test_change_of_a_warp_is_that_of_weighted_least_squares(count: int):
-    points, normals = RNG.normal(size=(2, 80, 3))
-    weight, off = RNG.uniform(0, 1, 80) * (RNG.uniform(size=80) > 0.2), RNG.normal(size=80)
-    design = terms(points)[:, :count]
-    slopes = (design[:, :, None] * normals[:, None, :]).reshape(80, -1)
-    root = np.sqrt(weight)
-    expected = np.linalg.lstsq(root[:, None] * slopes, -root * off, rcond=None)[0]
-    found = np.linalg.solve(*normal_equations(design, normals, weight, off))
-    np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-9)
-
-
 def numbered(places: np.ndarray) -> np.ndarray:
     layers = np.floor((places + HALF_WIDTH) / CELL).astype(int).clip(0, GRID - 1)
     return np.ravel_multi_index(np.moveaxis(layers, -1, 0), (GRID,) * 3)
@@ -106,7 +93,7 @@ def test_misfit_counts_the_nearest_landmark_by_its_plane_its_distance_and_its_no
     off = np.abs(np.einsum("nki,nki->nk", places - points[landmark], normals[landmark]))
     assert (off < OFF).any()
     cosine = np.einsum("nki,nki->nk", probe_normals @ TURNS.swapaxes(1, 2), normals[landmark])
-    parts = np.minimum(off, OFF) + NEARNESS * DISTANCE[numbered(places)] + FACING * (1 - cosine)
+    parts = np.minimum(off, OFF) + NEARNESS * DISTANCE[numbered(places)] + TILT * (1 - cosine)
     expected = parts.mean(axis=1)
     found = misfits(PROBES, probe_normals, TURNS, sizes, shifts, points, normals, nearest, DISTANCE)
     np.testing.assert_allclose(found, expected, rtol=1e-12)

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any, cast
 
 import matplotlib as mpl
+import pandas as pd
 from matplotlib.figure import Figure
 
 from wm3d.bench.store import RunDirectory
@@ -43,6 +44,12 @@ def caption(figure: Figure, text: str, meshes: Iterable[str], credits: Mapping[s
     owed = list(dict.fromkeys(filter(None, map(credits.get, meshes))))
     text += f" Meshes: {'; '.join(owed)}." if owed else ""
     figure.supxlabel(textwrap.fill(text, 125), fontsize=6.5, x=0.01, ha="left", color="0.45")
+
+
+def keys(detection: pd.DataFrame) -> str:
+    """Write how many keys the cells of a table have: the range of it where they differ."""
+    least, most = detection["trials"].min(), detection["trials"].max()
+    return f"{most}" if least == most else f"{least} to {most}"
 
 
 def attack_name(attack: str, sigmas: Iterable[float]) -> str:

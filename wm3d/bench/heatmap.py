@@ -16,7 +16,7 @@ from matplotlib.patches import Rectangle
 from scipy.stats import norm
 
 from wm3d.arrays import FloatArray
-from wm3d.bench.figures import SIGMA_CAPTION, attack_name, caption, power_of_ten, styled
+from wm3d.bench.figures import SIGMA_CAPTION, attack_name, caption, keys, power_of_ten, styled
 
 LEAST_ATTACKS = 4
 """A run of fewer attacks has its table; a picture of it would hold nothing to see."""
@@ -109,7 +109,7 @@ def heatmap_figure(detection: pd.DataFrame, pf: float, credits: Mapping[str, str
         for panel in panels[1:across]:
             panel.tick_params(labelleft=False)
         text = (
-            f"Pd: share of {_counts(detection)} keys found, each held to Pf by the exact key null of its own "
+            f"Pd: share of {keys(detection)} keys found, each held to Pf by the exact key null of its own "
             "mesh; where a mesh cannot be read, the mark is not found. d′: mean of z, whose null has mean 0 "
             f"and variance 1. Its colour turns at z = {norm.isf(pf):.2f}, from which a mark is found. "
             "95 % intervals stand in the table of detection."
@@ -122,11 +122,6 @@ def heatmap_figure(detection: pd.DataFrame, pf: float, credits: Mapping[str, str
 
 def _cell_width(columns: int) -> float:
     return max(CELL[0], LEAST_WIDTH / columns)
-
-
-def _counts(detection: pd.DataFrame) -> str:
-    least, most = detection["trials"].min(), detection["trials"].max()
-    return f"{most}" if least == most else f"{least} to {most}"
 
 
 def _grids(

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 import pandas as pd
 from matplotlib.figure import Figure
 
-from wm3d.bench.figures import COLORS, caption, power_of_ten, styled
+from wm3d.bench.figures import COLORS, caption, keys, power_of_ten, styled
 from wm3d.bench.ranking import METHOD
 from wm3d.bench.summary import DETECTED
 
@@ -14,7 +14,11 @@ MARKERS = "osD^vPX*"
 
 
 def quality_figure(
-    ranked: pd.DataFrame, pf: float, meshes: Iterable[str], credits: Mapping[str, str | None]
+    ranked: pd.DataFrame,
+    detection: pd.DataFrame,
+    pf: float,
+    meshes: Iterable[str],
+    credits: Mapping[str, str | None],
 ) -> Figure:
     """Draw mean Pd, and the share of attacks survived, against the SNR that the marks have at each budget.
 
@@ -24,6 +28,8 @@ def quality_figure(
     ----------
     ranked : DataFrame
         `wm3d.bench.ranking.ranking`.
+    detection : DataFrame
+        The table of detection that it ranks.
     pf : float
         The false-alarm probability of the scores.
     meshes : iterable of str
@@ -53,5 +59,9 @@ def quality_figure(
             panel.set_xlabel("SNR of the marks in dB, fainter to the right")
         figure.legend(loc="outside right upper")
         budgets = ", ".join(dict.fromkeys(ranked["budget"]))
-        caption(figure, f"A point a scheme and budget: {budgets}. Bars: 95 %. {METHOD}", meshes, credits)
+        text = (
+            f"A point a scheme and budget: {budgets}. Pd: share of {keys(detection)} keys found, each held "
+            f"to Pf by the exact key null of its own mesh. Bars: 95 %. {METHOD}"
+        )
+        caption(figure, text, meshes, credits)
     return figure

@@ -130,7 +130,7 @@ def _figures(
             drawn["heatmap"] = heatmap_figure(tables["detection"], pf, credits)
     if "leaderboard" in tables and tables["leaderboard"]["score"].notna().any():
         meshes = dict.fromkeys(tables["calibration"]["mesh"])
-        drawn["quality"] = quality_figure(tables["leaderboard"], pf, meshes, credits)
+        drawn["quality"] = quality_figure(tables["leaderboard"], tables["detection"], pf, meshes, credits)
     if "false_alarms" in tables:
         drawn["false_alarms"] = false_alarm_figure(tables["false_alarms"], credits, sigmas)
     return drawn

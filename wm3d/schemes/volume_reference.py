@@ -14,15 +14,7 @@ from wm3d.mesh.solid import ENTRIES
 from wm3d.packing import unpacked
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, mirror_image, recognized
 from wm3d.scanner.denoise import denoised
-from wm3d.scanner.registration import (
-    CLEAR,
-    Landmarks,
-    Surface,
-    Warp,
-    better,
-    nearest,
-    registered,
-)
+from wm3d.scanner.registration import CLEAR, Landmarks, Surface, Warp, better, nearest, registered
 from wm3d.scanner.scan import MAX_GRID
 
 FARTHEST = 1e60
@@ -30,8 +22,9 @@ FARTHEST = 1e60
 and comes from are finite, whatever the unit of the mesh."""
 
 DOUBTFUL = 0.6
-"""Share of the landmarks met below which the mirror image may meet more. Where a tenth was cut off a nearly
-symmetric head, its mirror image meets up to 0.54; where 30 % was, what is left meets 0.58 or more."""
+"""Share of the landmarks met below which the mirror image is searched for. A nearly symmetric model that was
+mirrored and lost a tenth mostly meets less, in a wrong place; one that only lost 30 % mostly meets more, and
+need not be searched for twice."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]

@@ -119,10 +119,10 @@ def _change(match: _Match, landmarks: Landmarks, count: int) -> FloatArray:
     """Solve for the change of the first `count` terms that takes the distances away: (10, 3)."""
     spread = max(1.4826 * float(np.median(np.abs(match.distance[match.reached]))), FLOOR)
     weight = np.clip(1 - (match.distance / (TUKEY * spread)) ** 2, 0, None) ** 2 * match.reached
-    matrix, right = kernels.normal_equations(
-        terms(match.points)[:, :count], landmarks.normals, weight, match.distance
-    )
-    matrix += np.diag(np.repeat(DAMPING[:count], 3)) * weight.sum()
+    slopes = terms(match.points)[:, :count, None] * landmarks.normals[:, None, :]
+    slopes = slopes.reshape(len(weight), -1)
+    normal = slopes.T @ (weight[:, None] * slopes)
+    normal += np.diag(np.repeat(DAMPING[:count], 3)) * weight.sum()
     change = np.zeros((QUADRATIC_TERMS, 3))
-    change[:count] = np.linalg.solve(matrix, right).reshape(count, 3)
+    change[:count] = np.linalg.solve(normal, -slopes.T @ (weight * match.distance)).reshape(count, 3)
     return change

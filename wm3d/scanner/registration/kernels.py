@@ -17,7 +17,7 @@ GRID, HALF_WIDTH = 50, 2.5
 
 CELL = 2 * HALF_WIDTH / GRID
 
-OFF, NEARNESS, FACING = 0.25, 0.3, 0.1
+OFF, NEARNESS, TILT = 0.25, 0.3, 0.1
 """Distance from a landmark's tangent plane that counts in full, and what the distance from the landmark and
 1 − the cosine of the normals count beside. A smooth surface lies near to landmarks in wrong places too, but
 not in their planes."""
@@ -155,35 +155,6 @@ def compared(
     return off, far, cosine
 
 
-@njit(cache=True, nogil=True)
-def normal_equations(
-    terms: FloatArray, normals: FloatArray, weight: FloatArray, off: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Set up the weighted least squares for the change of a warp's coefficients: matrix and right side.
-
-    A change δ (c, 3) moves the point with `terms` t (k, c) by t·δ, and so n·(t·δ) off the tangent plane whose
-    normal is n (k, 3); it is to be −`off` (k,). The unknowns stand row by row: (3c, 3c) and (3c,).
-    """
-    count = terms.shape[1]
-    matrix, right = np.zeros((3 * count, 3 * count)), np.zeros(3 * count)
-    slope = np.empty(3 * count)
-    for k in range(len(terms)):
-        if weight[k] == 0.0:
-            continue
-        for t in range(count):
-            for i in range(3):
-                slope[3 * t + i] = terms[k, t] * normals[k, i]
-        for a in range(3 * count):
-            scaled = weight[k] * slope[a]
-            right[a] -= scaled * off[k]
-            for b in range(a + 1):
-                matrix[a, b] += scaled * slope[b]
-    for a in range(3 * count):
-        for b in range(a):
-            matrix[b, a] = matrix[a, b]
-    return matrix, right
-
-
 @njit(cache=True)
 def _times(row: Vector, matrix: FloatArray) -> Vector:
     x, y, z = row
@@ -266,7 +237,7 @@ def misfits(
             off = abs(off + (z - points[i, 2]) * normals[i, 2])
             cosine = turned_normals[k, 0] * normals[i, 0] + turned_normals[k, 1] * normals[i, 1]
             cosine += turned_normals[k, 2] * normals[i, 2]
-            total += min(off, OFF) + NEARNESS * distance[cell] + FACING * (1.0 - cosine)
+            total += min(off, OFF) + NEARNESS * distance[cell] + TILT * (1.0 - cosine)
         means[n] = total / len(probes)
     return means
 

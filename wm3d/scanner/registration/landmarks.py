@@ -34,7 +34,9 @@ class Landmarks:
 
     def every(self, step: int) -> "Landmarks":
         """Return one in `step` of the landmarks."""
-        return Landmarks(self.points[::step], self.normals[::step])
+        return Landmarks(
+            np.ascontiguousarray(self.points[::step]), np.ascontiguousarray(self.normals[::step])
+        )
 
     def encode(self) -> str:
         """Return points and normals in single precision, row by row, as base64."""
@@ -50,4 +52,4 @@ class Landmarks:
             If the text is not base64 or no rows of six finite numbers.
         """
         rows = unpacked(text, 6, "landmarks")
-        return cls(rows[:, :3], rows[:, 3:])
+        return cls(np.ascontiguousarray(rows[:, :3]), np.ascontiguousarray(rows[:, 3:]))

@@ -146,8 +146,9 @@ def _tried(probes: Landmarks, shifts: FloatArray, distance: FloatArray) -> tuple
     """Return the best size and shift for each of many turns, and how far the probes then lie off: (n,)."""
     candidates = turns(TURNS) * [1.0, 1.0, -1.0]  # the frame is left-handed
     sizes = np.array(SIZES)
-    points = np.ascontiguousarray(probes.points)
-    halves = by_halves(lambda half: kernels.nearest_tried(points, half, sizes, shifts, distance), candidates)
+    halves = by_halves(
+        lambda half: kernels.nearest_tried(probes.points, half, sizes, shifts, distance), candidates
+    )
     misfit, size, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
     return _Places(candidates, sizes[size], shifts[shift]), misfit
 
