@@ -55,7 +55,7 @@ def in_pca_frame(mesh: Mesh, _reference: SolidMoments, _ways: int) -> tuple[Mesh
     return mesh, [pca_frame(mesh)]
 
 
-def pose_alone(_surface: Surface, _landmarks: Landmarks, poses: tuple[Warp, Warp]) -> Fit:
+def pose_alone(_surface: Surface, _landmarks: Landmarks, poses: tuple[Warp, Warp], **_search: bool) -> Fit:
     """Return the pose that the moments give."""
     return Fit(poses[0], 1.0)
 

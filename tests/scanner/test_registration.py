@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from shapes import blob, box, inside_out, rotation
+from shapes import blob, box, fine_box, inside_out, rotation
 
 from wm3d.attacks import Crop
 from wm3d.mesh import Mesh, surface_points
@@ -123,6 +123,29 @@ def test_any_turn_of_a_torso_is_found(seed, percent, off):
     placed = found.warp(surface.placed(turned.vertices))
     distance = np.linalg.norm(placed - torso.vertices @ MIRROR, axis=1)
     assert np.median(distance) < off  # the blob is smooth: it slides along itself
+
+
+@pytest.mark.parametrize("percent", [10, 40])
+def test_torso_of_a_mirror_image_is_laid_as_one_where_that_may_be(percent):
+    torso = Crop(percent=percent)(MESH, np.random.default_rng(1))
+    turn = rotation(2) @ np.diag([1.0, -1.0, 1.0])
+    surface = Surface.of(torso.with_vertices(torso.vertices @ turn.T))
+    landmarks, wrong = landmarks_of(MESH), [pose_of(surface)]
+    found = registered(surface, landmarks, wrong, mirrored=True)
+    placed = found.warp(surface.placed(torso.vertices @ turn.T))
+    assert np.median(np.linalg.norm(placed - torso.vertices @ MIRROR, axis=1)) < 0.1
+    assert found.warp.mirrors
+    assert not registered(surface, landmarks, wrong).warp.mirrors
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_part_of_its_own_mirror_image_is_not_mirrored(seed):
+    mesh = fine_box()
+    part = Crop(percent=30)(mesh, np.random.default_rng(seed))
+    surface = Surface.of(part.with_vertices(part.vertices @ rotation(seed).T))
+    found = registered(surface, landmarks_of(mesh), [pose_of(surface)], mirrored=True)
+    assert found.share > 0.6
+    assert not found.warp.mirrors
 
 
 def test_torso_lies_as_near_as_a_fit_to_all_landmarks_brings_it():

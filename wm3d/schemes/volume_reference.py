@@ -14,17 +14,12 @@ from wm3d.mesh.solid import ENTRIES
 from wm3d.packing import unpacked
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, mirror_image, recognized
 from wm3d.scanner.denoise import denoised
-from wm3d.scanner.registration import CLEAR, Landmarks, Surface, Warp, better, nearest, registered
+from wm3d.scanner.registration import CLEAR, Landmarks, Surface, Warp, nearest, registered
 from wm3d.scanner.scan import MAX_GRID
 
 FARTHEST = 1e60
 """Bound of the entries of a stored pose, and 1 over it of its matrix: squares of the places that it leads to
 and comes from are finite, whatever the unit of the mesh."""
-
-DOUBTFUL = 0.6
-"""Share of the landmarks met below which the mirror image is searched for. A nearly symmetric model that was
-mirrored and lost a tenth mostly meets less, in a wrong place; one that only lost 30 % mostly meets more, and
-need not be searched for twice."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -125,8 +120,8 @@ class Reference(BaseModel):
 
         Of the poses of a symmetric solid the landmarks choose one, and they lie on what the right key made of
         the surface: on an unmarked one, too, that key does better there than in the others. So all of them
-        count as tries. Of other solids that meet few landmarks the mirror image is tried: no moments tell
-        what is a part of one.
+        count as tries. Of other solids that must be searched for the mirror image is searched for, too: no
+        moments tell what is a part of one.
 
         Raises
         ------
@@ -144,13 +139,8 @@ class Reference(BaseModel):
         poses = [self.home_pose(surface)]
         if frames:
             poses.insert(0, nearest(surface, landmarks, [self.pose(frame, surface) for frame in frames]))
-        found = registered(surface, landmarks, poses)
-        if found.share < DOUBTFUL and self.ways == 1:
-            image = mirror_image(mesh)
-            its_surface = Surface.of(image)
-            its_fit = better(its_surface, landmarks, found)
-            if its_fit is not None:
-                mesh, surface, found = image, its_surface, its_fit
+        found = registered(surface, landmarks, poses, mirrored=self.ways == 1)
         if failure is not None and found.share < CLEAR:
             raise failure
-        return Laid(mesh, found.warp(surface.placed(mesh.vertices)), len(frames) or self.ways)
+        vertices = found.warp(surface.placed(mesh.vertices))
+        return Laid(mirror_image(mesh) if found.warp.mirrors else mesh, vertices, len(frames) or self.ways)

@@ -18,12 +18,9 @@ EXACT = FLOOR / 2
 FEWEST = 60
 """Fewest landmarks that say more than a pose; few have a normal where a model is all edges."""
 
-SURE = 0.75
-"""Share of the landmarks met from which no turned start is tried."""
-
-CERTAIN = 0.85
-"""Share at which a pose is taken and no other tried; a smooth model that lost a part may meet 0.75 in the
-wrong place."""
+SURE = 0.85
+"""Share of the landmarks met at which a pose is taken, and no other and no turned start tried. A smooth model
+that lost a part may meet 0.8 in the wrong place, or mirrored."""
 
 GAIN = 0.03
 """By how much the share of the landmarks met must grow for a fit to be preferred to a simpler one."""
@@ -43,11 +40,13 @@ BATCH, CLEAR = 8, 0.4
 FINALISTS, MOST_FINALISTS = 3, 8
 """The best few are fitted in full; more, one after the other, as long as none meets that share."""
 
-PROMISING = 0.75
-"""A start is left where its sketch meets less than this part of what another surface meets."""
+UNLIKELY = 0.1
+"""How much more of the sketch a mirror image must meet to be fitted before what is none."""
 
 
-def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) -> Fit:
+def registered(
+    surface: Surface, landmarks: Landmarks, poses: Sequence[Warp], *, mirrored: bool = False
+) -> Fit:
     """Return the warp that lays a surface over landmarks, and what share of them it meets.
 
     Only the shape decides, never a key: the p-value of a detector that reads the warped mesh stays exact.
@@ -59,6 +58,8 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
     poses : sequence of Warp
         Linear maps that may lay the surface over the landmarks already, the likeliest first. A pose that does
         so to a fraction of a cell is returned as it is.
+    mirrored : bool, optional
+        Whether turned starts are tried with the mirror image, too; see `Warp.mirrors`.
     """
     if len(landmarks.points) < FEWEST:
         return Fit(poses[0], 0.0)
@@ -69,19 +70,11 @@ def registered(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) ->
         if share_met(surface, landmarks, pose, EXACT) > 0.5:
             return Fit(pose, share_met(surface, landmarks, pose))
         fits.append(_best([Fit(pose, share_met(surface, landmarks, pose)), *_bent(surface, landmarks, pose)]))
-        if fits[-1].share >= CERTAIN:
+        if fits[-1].share >= SURE:
             return fits[-1]
     if not fits or _best(fits).share < SURE:
-        fits += _searched(surface, landmarks)
+        fits += _searched(surface, landmarks, mirrored)
     return _best(fits)
-
-
-def better(surface: Surface, landmarks: Landmarks, fit: Fit) -> Fit | None:
-    """Return a fit from a turned start that is clear, and better than one of another surface, if any is."""
-    if len(landmarks.points) < FEWEST:
-        return None
-    best = _best([fit, *_searched(surface, landmarks, PROMISING * fit.share)])
-    return best if best is not fit and best.share >= CLEAR else None
 
 
 def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> list[Fit]:
@@ -98,9 +91,9 @@ def _best(fits: list[Fit]) -> Fit:
     return best
 
 
-def _searched(surface: Surface, landmarks: Landmarks, least: float = 0.0) -> list[Fit]:
-    """Return the fits from the turned starts whose sketch meets most landmarks, and so many, those first."""
-    sketch, starts = landmarks.every(SKETCH), turned_starts(surface, landmarks)
+def _searched(surface: Surface, landmarks: Landmarks, mirrored: bool) -> list[Fit]:
+    """Return the fits from the turned starts whose sketch meets most landmarks, mirror images last."""
+    sketch, starts = landmarks.every(SKETCH), turned_starts(surface, landmarks, mirrored)
 
     def sketches(numbers: IntArray) -> list[Fit]:
         return [
@@ -114,12 +107,13 @@ def _searched(surface: Surface, landmarks: Landmarks, least: float = 0.0) -> lis
         sketched += one + other
         if _clear(sketched):
             break
+    sketched.sort(key=lambda fit: UNLIKELY * fit.warp.mirrors - fit.share)
     fits: list[Fit] = []
-    for best in sorted(sketched, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
-        if best.share < least or (len(fits) >= FINALISTS and _clear(fits)):
+    for best in sketched[:MOST_FINALISTS]:
+        if len(fits) >= FINALISTS and _clear(fits):
             break
         fits.append(_best(_bent(surface, landmarks, best.warp)))
-    return fits
+    return sorted(fits, key=lambda fit: fit.warp.mirrors)
 
 
 def _clear(fits: list[Fit]) -> bool:

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -31,11 +31,17 @@ SHIFTS = np.vstack(
 """Places of its middle tried, relative to that of the landmarks and their size, along the axes and between
 them; where they spread farther along one, half of the model lies farther off there, and places do too."""
 
-CANDIDATES, CLOSE = 256, 10.0
+OWN = np.array([1.0, 1.0, -1.0])
+"""Makes a rotation a way to lay a mesh that is no mirror image: the frame of a scanner is left-handed."""
+
+CANDIDATES, CLOSE = 512, 10.0
 """How many of the places tried are improved, the best first, and the least angle between two, in degrees."""
 
-STEPS = (0.3, 0.2, 0.2, 0.1, 0.1, 0.05)
+FIRST_STEPS, STEPS = (0.3, 0.2), (0.2, 0.1, 0.1, 0.05)
 """Steps of that: turns in radians, shifts in the size of the landmarks, and half as much of the own size."""
+
+KEPT = 0.5
+"""Part of them that is improved further after the first steps."""
 
 LEAST_SIZE, MOST_SIZE = 0.5, 1.1
 """Bounds of the sizes that are come to."""
@@ -66,6 +72,10 @@ class _Places(NamedTuple):
             yield self._replace(shift=self.shift + step * way)
         for growth in (1 - step / 2, 1 + step / 2):
             yield self._replace(size=(growth * self.size).clip(LEAST_SIZE, MOST_SIZE))
+
+    def some(self, which: IntArray) -> Self:
+        """Return some of these places."""
+        return type(self)(*(part[which] for part in self))
 
     def replaced(self, where: BoolArray, others: Self) -> Self:
         """Return these places with `others` in the place of some."""
@@ -115,13 +125,14 @@ class _Field(NamedTuple):
         return misfit
 
 
-def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
+def turned_starts(surface: Surface, landmarks: Landmarks, mirrored: bool) -> list[Warp]:
     """Return the ways to lay a surface on landmarks under which its points come nearest to them.
 
     Points of the surface look for landmarks and not the other way round, since of a model that lost a part
     every point still has its landmark: those that would be landmarks themselves. Turns are tried all around,
     each at the best of some sizes and shifts; the best of these places are improved in small steps towards
-    the tangent planes, and compared by these and by the normals.
+    the tangent planes, and compared by these and by the normals. With `mirrored`, as many turns of the mirror
+    image are among them.
     """
     goal = landmarks.points.mean(axis=0)
     spread = landmarks.points.std(axis=0)
@@ -130,10 +141,13 @@ def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
     probes = Landmarks.of(surface, Warp.linear(np.eye(3), np.zeros(3)))
 
     few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
-    tried, misfit = _tried(few, SHIFTS * math.sqrt(3) * spread / size, field.distance)
+    candidates = turns(TURNS) * OWN
+    if mirrored:
+        candidates = np.concatenate([candidates, -candidates])
+    tried, misfit = _tried(few, candidates, SHIFTS * math.sqrt(3) * spread / size, field.distance)
     best = np.argsort(misfit, kind="stable")
     best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
-    halves = by_halves(lambda half: _improved(_Places(*(part[half] for part in tried)), probes, field), best)
+    halves = by_halves(lambda half: _improved(tried.some(half), probes, field), best)
     places = _Places(*(np.concatenate(parts) for parts in zip(*halves, strict=True)))
     order = np.argsort(field.misfit(places, probes), kind="stable")
     chosen = order[apart(places.turn[order], APART, STARTS)]
@@ -142,9 +156,10 @@ def turned_starts(surface: Surface, landmarks: Landmarks) -> list[Warp]:
     ]
 
 
-def _tried(probes: Landmarks, shifts: FloatArray, distance: FloatArray) -> tuple[_Places, FloatArray]:
-    """Return the best size and shift for each of many turns, and how far the probes then lie off: (n,)."""
-    candidates = turns(TURNS) * [1.0, 1.0, -1.0]  # the frame is left-handed
+def _tried(
+    probes: Landmarks, candidates: FloatArray, shifts: FloatArray, distance: FloatArray
+) -> tuple[_Places, FloatArray]:
+    """Return the best size and shift for each of (n, 3, 3) turns, and how far probes then lie off: (n,)."""
     sizes = np.array(SIZES)
     halves = by_halves(
         lambda half: kernels.nearest_tried(probes.points, half, sizes, shifts, distance), candidates
@@ -154,8 +169,16 @@ def _tried(probes: Landmarks, shifts: FloatArray, distance: FloatArray) -> tuple
 
 
 def _improved(places: _Places, probes: Landmarks, field: _Field) -> _Places:
-    """Take steps downhill from each place, every one in the best of the directions."""
-    for step in STEPS:
+    """Take steps downhill from each place, and more from the best of them; return these."""
+    places = _descended(places, FIRST_STEPS, probes, field)
+    best = np.argsort(field.misfit(places, probes), kind="stable")
+    kept = best[: math.ceil(KEPT * len(best))]
+    return _descended(places.some(kept), STEPS, probes, field)
+
+
+def _descended(places: _Places, steps: Sequence[float], probes: Landmarks, field: _Field) -> _Places:
+    """Take one step after the other from each place, every one in the best of the directions."""
+    for step in steps:
         best, least = places, field.misfit(places, probes)
         for neighbour in places.neighbours(step):
             misfit = field.misfit(neighbour, probes)

@@ -52,6 +52,11 @@ class Warp:
         return self.coefficients[1:LINEAR_TERMS].T
 
     @cached_property
+    def mirrors(self) -> bool:
+        """Whether it takes a surface to its mirror image: the frame of a scanner is left-handed."""
+        return bool(np.linalg.det(self.matrix) > 0)
+
+    @cached_property
     def back(self) -> FloatArray:
         """The inverse of the linear part, for rows: (3, 3)."""
         return np.asarray(np.linalg.inv(self.coefficients[1:LINEAR_TERMS]), dtype=float)
