@@ -4,13 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wm3d.arrays import IntArray
 from wm3d.scanner.registration.fit import FLOOR, Fit, fitted, share_met
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.search import turned_starts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
-from wm3d.scanner.threads import by_halves
 
 EXACT = FLOOR / 2
 """Distance at which half of the landmarks must be met for a pose to be left as it is."""
@@ -93,20 +91,14 @@ def _best(fits: list[Fit]) -> Fit:
 
 def _searched(surface: Surface, landmarks: Landmarks, mirrored: bool) -> list[Fit]:
     """Return the fits from the turned starts whose sketch meets most landmarks, mirror images last."""
-    sketch, starts = landmarks.every(SKETCH), turned_starts(surface, landmarks, mirrored)
-
-    def sketches(numbers: IntArray) -> list[Fit]:
-        return [
-            fitted(surface, sketch, starts[k], quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
-            for k in numbers
-        ]
-
+    sketch = landmarks.every(SKETCH)
     sketched: list[Fit] = []
-    for first in range(0, len(starts), BATCH):
-        one, other = by_halves(sketches, np.arange(first, min(first + BATCH, len(starts))))
-        sketched += one + other
-        if _clear(sketched):
+    for start in turned_starts(surface, landmarks, mirrored):
+        if len(sketched) % BATCH == 0 and _clear(sketched):
             break
+        sketched.append(
+            fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
+        )
     sketched.sort(key=lambda fit: UNLIKELY * fit.warp.mirrors - fit.share)
     fits: list[Fit] = []
     for best in sketched[:MOST_FINALISTS]:
