@@ -15,7 +15,16 @@ from typing import Any
 
 import pandas as pd
 from jinja2 import Environment, StrictUndefined
-from range_dct_distortion import AXES, curves, distortion, held, weakest
+from range_dct_distortion import (
+    AXES,
+    LIRIS_BUDGETS,
+    at_budget,
+    by_strength,
+    curves,
+    distortion,
+    held,
+    weakest,
+)
 from scipy.stats import norm
 
 from wm3d.bench import load_experiment, run_config
@@ -89,7 +98,7 @@ def write_results(runs: Path) -> None:
             tables[name] = in_order(best(lines, tables.get(name)), CONFIGS[name])
     if (runs / "distortion" / "tables").exists():
         lines = distortion(runs / "distortion").assign(version=versions(runs, "distortion")["range-dct"])
-        tables["distortion"] = best(lines, tables.get("distortion"))
+        tables["distortion"] = by_strength(best(lines, tables.get("distortion")))
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
     if (runs / "nulls" / "tables").exists():
@@ -204,6 +213,7 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
     ablation, others = pd.read_csv(RESULTS.path / "ablation.csv"), pd.read_csv(OTHER_MODELS)
     paper = tables["paper_attacks"]
     shown = {name: drawn(tables, name) for name in DRAWN}
+    curve = tables.get("distortion", pd.DataFrame())
     return (
         environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
         .render(
@@ -222,11 +232,12 @@ def page(tables: dict[str, pd.DataFrame]) -> str:
             other=pivot(shown["other_attacks"]),
             broken=pivot(shown["broken_meshes"]),
             blocks=by_blocks(tables["blocks"]) if "blocks" in tables else {},
-            short={name: short(robust(table)) for name, table in shown.items() if len(table)},
+            short={name: short(robust(table)) for name, table in shown.items() if len(table)}
+            | {budget: short(at_budget(curve, budget)) for budget in LIRIS_BUDGETS if len(curve)},
             threshold=THRESHOLD,
             strength=by_budget(tables["strength"]) if "strength" in tables else {},
-            faintest=faintest(tables["distortion"]) if "distortion" in tables else {},
-            weakest=weakest(tables["distortion"]) if "distortion" in tables else {},
+            faintest=faintest(curve) if len(curve) else {},
+            weakest=weakest(curve) if len(curve) else {},
             nulls=tables["nulls"].to_dict("records") if "nulls" in tables else [],
             counted=tables["random_keys"].to_dict("records") if "random_keys" in tables else [],
             others=others.to_dict("records"),

@@ -34,8 +34,12 @@ def distortion(run: Path) -> pd.DataFrame:
     kept = ["attack", "trials", "z_mean", "z_std", pd_name, f"{pd_name}_low", f"{pd_name}_high"]
     reached = tables["calibration"].set_index(both)["reached"].rename("mrms_percent")
     snr = tables["snr"].set_index(both)["snr_db"]
-    table = tables["detection"][both + kept].join(reached, on=both).join(snr, on=both)
-    return table.sort_values(["mesh", "attack", "mrms_percent"], kind="stable").reset_index(drop=True)
+    return tables["detection"][both + kept].join(reached, on=both).join(snr, on=both)
+
+
+def by_strength(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the lines in the order of the curves, the faintest mark first."""
+    return table.sort_values(["mesh", "attack", "mrms_percent"], kind="stable", ignore_index=True)
 
 
 def held(table: pd.DataFrame) -> pd.DataFrame:
@@ -50,10 +54,17 @@ def held(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(lines)
 
 
+def at_budget(table: pd.DataFrame, budget: float) -> pd.DataFrame:
+    """Return the lines of the marks of this MRMS."""
+    return table[(table["mrms_percent"] / budget - 1).abs() < CLOSE]
+
+
 def weakest(table: pd.DataFrame) -> dict[float, dict[str, Any]]:
     """Return, for each of `LIRIS_BUDGETS`, the line of least mean z."""
-    at = {budget: table[(table["mrms_percent"] / budget - 1).abs() < CLOSE] for budget in LIRIS_BUDGETS}
-    return {budget: lines.nsmallest(1, "z_mean").to_dict("records")[0] for budget, lines in at.items()}
+    return {
+        budget: at_budget(table, budget).nsmallest(1, "z_mean").to_dict("records")[0]
+        for budget in LIRIS_BUDGETS
+    }
 
 
 def curves(table: pd.DataFrame, against: str) -> Figure:
@@ -86,8 +97,10 @@ def curves(table: pd.DataFrame, against: str) -> Figure:
         figure.supylabel(f"Pd at Pf = {PF:g}", fontsize=9)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(meshes), title=AXES[against])
+        fewest, most = table["trials"].min(), table["trials"].max()
+        keys = f"{fewest} to {most}" if most > fewest else f"{most}"
         text = (
-            f"{table['trials'].max()} keys a point. Statistic: z of the detector, large is marked. Null: "
+            f"{keys} keys a point. Statistic: z of the detector, large is marked. Null: "
             "uniform keys on the mesh under test, exact. Bands: 95 % Clopper–Pearson. Not drawn: "
             f"{table['attack'].nunique() - len(attacks)} attacks after which every mark was found."
         )
