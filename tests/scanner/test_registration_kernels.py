@@ -7,6 +7,16 @@ import pytest
 from shapes import rotation
 
 from wm3d.metrics.surface import boxes, tree_order
+from wm3d.scanner.registration import fit_kernels
+from wm3d.scanner.registration.fit_kernels import (
+    BEND_DAMPING,
+    DAMPING,
+    FACING,
+    FLOOR,
+    LAST_REACH,
+    NARROWING,
+    TUKEY,
+)
 from wm3d.scanner.registration.kernels import (
     CELL,
     GRID,
@@ -20,7 +30,7 @@ from wm3d.scanner.registration.kernels import (
     misfits,
     nearest_tried,
 )
-from wm3d.scanner.registration.warp import Warp
+from wm3d.scanner.registration.warp import Warp, terms
 
 RNG = np.random.default_rng(1)
 PROBES = RNG.normal(0, 1.2, (40, 3))  # some lie beside the cube
@@ -97,3 +107,52 @@ def test_misfit_counts_the_nearest_landmark_by_its_plane_its_distance_and_its_no
     expected = parts.mean(axis=1)
     found = misfits(PROBES, probe_normals, TURNS, sizes, shifts, points, normals, nearest, DISTANCE)
     np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def rounds_of_a_fit(start, count, reach, rounds, surface, goals, goal_normals):
+    """Do what `fit_kernels.fitted` does, but never settle, in numpy."""
+    warp = Warp(start)
+    for _ in range(rounds):
+        points, normals = means_near(warp.inverse(goals), *surface, 4)
+        off, far, cosine = compared(points, normals, goals, goal_normals, warp.coefficients, warp.back)
+        reached = (cosine > FACING) & (far < reach)
+        spread = max(1.4826 * np.median(np.abs(off[reached])), FLOOR)
+        weight = np.clip(1 - (off / (TUKEY * spread)) ** 2, 0, None) ** 2 * reached
+        slopes = (terms(points)[:, :count, None] * goal_normals[:, None]).reshape(len(goals), -1)
+        damping = np.repeat(np.r_[np.full(4, DAMPING), np.full(6, BEND_DAMPING)][:count], 3)
+        normal = slopes.T @ (weight[:, None] * slopes) + np.diag(damping) * weight.sum()
+        change = np.zeros((10, 3))
+        change[:count] = np.linalg.solve(normal, -slopes.T @ (weight * off)).reshape(count, 3)
+        warp = Warp(warp.coefficients + change)
+        reach = max(LAST_REACH, NARROWING * reach)
+    return warp.coefficients
+
+
+@pytest.mark.parametrize("count", [4, 10])
+def test_fit_solves_the_weighted_least_squares_of_each_round(count: int):
+    rng = np.random.default_rng(3)
+    points = rng.normal(size=(3000, 3))
+    normals = points / np.linalg.norm(points, axis=1, keepdims=True)
+    points = normals * (1 + 0.3 * np.sin(3 * points[:, :1])) * [1.0, 0.8, 0.6]
+    order = tree_order(points)
+    surface = points[order], normals[order], boxes(points[order][:, None])
+    start = Warp.linear(rotation(0), np.array([0.03, -0.02, 0.01])).coefficients
+    goals, goal_normals = points[::10] @ rotation(0).T * 1.02, normals[::10] @ rotation(0).T
+    for rounds in (1, 2, 5):
+        found, held = fit_kernels.fitted(start, count, 0.3, rounds, *surface, 4, goals, goal_normals)
+        plain = rounds_of_a_fit(start, count, 0.3, rounds, surface, goals, goal_normals)
+        assert held
+        np.testing.assert_allclose(found, plain, rtol=0, atol=1e-9)
+    assert np.abs(found - start).max() > 0.01
+
+
+@pytest.mark.parametrize("spoiled", ["pressed flat", "out of reach"])
+def test_fit_that_does_not_hold_returns_its_start(spoiled: str):
+    points = RNG.normal(size=(500, 3))
+    order = tree_order(points)
+    surface = points[order], points[order], boxes(points[order][:, None])
+    start = Warp.linear(np.diag([1.0, 1.0, 0.05]), np.zeros(3)).coefficients
+    goals = points[:50] * [1.0, 1.0, 0.05] if spoiled == "pressed flat" else points[:50] + 100
+    found, held = fit_kernels.fitted(start, 4, 0.3, 5, *surface, 4, goals, goals)
+    assert not held
+    np.testing.assert_array_equal(found, start)

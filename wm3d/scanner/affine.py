@@ -40,8 +40,9 @@ ROUND = 0.015
 """Slope of the moments along the map that changes them least, relative to them, below which a solid is round.
 A vase has 0.002, a cone of 80 sides 0.009; a cow has 0.1, and the least of other models, a blob, 0.024."""
 
-ALIKE_STARTS, ALIKE_PATIENCE = 2 * MOST_WAYS, 60
-"""How many starts are compared, tried to find all ways, and how many evaluations each is then given."""
+ALIKE_STARTS, PATIENCE = 2 * MOST_WAYS, 60
+"""How many starts are compared, tried to find all ways, and how many evaluations each is given: the right one
+takes 2 to 25, one of a part that has none may take hundreds."""
 
 MIRROR = np.array([1.0, 1.0, -1.0])
 """What the coordinates of a mesh are multiplied with to make its mirror image."""
@@ -175,7 +176,7 @@ class _Fit(NamedTuple):
 def _alike(moments: SolidMoments, reference: SolidMoments) -> list[_Fit]:
     """Return the maps that meet the reference nearly as well as the best, which is the first."""
     found: list[_Fit] = []
-    fits = sorted(_fits(moments, reference, ALIKE_STARTS, ALIKE_PATIENCE), key=lambda fit: fit.misfit)
+    fits = sorted(_fits(moments, reference, ALIKE_STARTS), key=lambda fit: fit.misfit)
     for fit in fits:
         alike = fit.misfit < max(AMBIGUITY, 2 * fits[0].misfit)
         if alike and all(_apart(fit.matrix, other.matrix) for other in found):
@@ -188,9 +189,7 @@ def _apart(one: FloatArray, other: FloatArray) -> bool:
     return not np.allclose(one @ np.linalg.inv(other), np.eye(3), rtol=0, atol=ELSEWHERE)
 
 
-def _fits(
-    moments: SolidMoments, reference: SolidMoments, starts: int = STARTS, patience: int | None = None
-) -> Iterator[_Fit]:
+def _fits(moments: SolidMoments, reference: SolidMoments, starts: int = STARTS) -> Iterator[_Fit]:
     """Yield the maps to which least squares lead from each start.
 
     In coordinates in which the second moments of both are unit matrices: there the misfit does not depend on
@@ -211,7 +210,7 @@ def _fits(
     # the frame is left-handed
     mirror = -float(np.sign(np.linalg.det(colour) * np.linalg.det(whiten)))
     for start in _starts(here, goal, turns(TURNS) * [1.0, 1.0, mirror], starts):
-        fit = least_squares(residual, start.ravel(), jac=slopes, method="lm", max_nfev=patience)
+        fit = least_squares(residual, start.ravel(), jac=slopes, method="lm", max_nfev=PATIENCE)
         yield _Fit(colour @ fit.x.reshape(3, 3) @ whiten, math.sqrt(2 * fit.cost) / size)
 
 

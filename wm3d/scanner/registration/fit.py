@@ -6,34 +6,20 @@ from typing import NamedTuple
 import numpy as np
 
 from wm3d.arrays import BoolArray, FloatArray
-from wm3d.scanner.registration import kernels
+from wm3d.scanner.registration import fit_kernels, kernels
+from wm3d.scanner.registration.fit_kernels import FACING, LAST_REACH
 from wm3d.scanner.registration.landmarks import Landmarks
-from wm3d.scanner.registration.surface import Surface
-from wm3d.scanner.registration.warp import LINEAR_TERMS, QUADRATIC_TERMS, Warp, terms
+from wm3d.scanner.registration.surface import NEIGHBOURS, Surface
+from wm3d.scanner.registration.warp import LINEAR_TERMS, QUADRATIC_TERMS, Warp
 
 ROUNDS = 40
 """Most rounds of a fit."""
 
-SETTLED = 3e-4
-"""Change of the coefficients below which a fit ends; about a hundredth of a cell (of 100 blocks)."""
-
-REACH, LAST_REACH, NARROWING = 0.3, 0.1, 0.85
-"""How far off a landmark the surface may lie: at first, at last, and how fast that falls."""
-
-FACING = 0.3
-"""Least cosine between the normals of surface and landmark."""
-
-FLOOR = 0.004
-"""Least spread of the distances that counts: the surface is known no better."""
-
-TUKEY = 4.0
-"""Distance over the spread from which a landmark has no weight (Tukey's biweight)."""
+REACH = 0.3
+"""How far off a landmark the surface may lie at first."""
 
 NEAR = 0.02
 """Distance at which a landmark is no longer met: half a cell of 100 blocks, in the unit of the frame."""
-
-DAMPING = np.r_[np.full(LINEAR_TERMS, 1e-6), np.full(QUADRATIC_TERMS - LINEAR_TERMS, 1e-3)]
-"""Weight of each term of the change against that of the landmarks: a plane does not fix all of them."""
 
 
 class Fit(NamedTuple):
@@ -44,9 +30,8 @@ class Fit(NamedTuple):
 
 
 class _Match(NamedTuple):
-    """The surface at the landmarks that it reaches: points before the warp, distances n·(y − p)."""
+    """How far the surface lies from the planes at the landmarks, and which of these it reaches: (k,) each."""
 
-    points: FloatArray
     distance: FloatArray
     reached: BoolArray
 
@@ -65,19 +50,13 @@ def fitted(
     Each round looks for the surface nearest to each landmark and solves for the warp that brings it to the
     tangent planes there, by least squares with Tukey's weights: what was cut off or added does not count.
     """
-    count = QUADRATIC_TERMS if quadratic else LINEAR_TERMS
-    warp = start
-    for _ in range(rounds):
-        match = _match(surface, landmarks, warp, reach)
-        if match.reached.sum() < 3 * count:
-            return Fit(start, 0.0)
-        change = _change(match, landmarks, count)
-        warp = Warp(warp.coefficients + change)
-        reach = max(LAST_REACH, NARROWING * reach)
-        if not warp.is_sound():
-            return Fit(start, 0.0)
-        if np.abs(change).max() < SETTLED:
-            break
+    coefficients, held = fit_kernels.fitted(
+        *(start.coefficients, QUADRATIC_TERMS if quadratic else LINEAR_TERMS, reach, rounds),
+        *(*surface.tree, NEIGHBOURS, landmarks.points, landmarks.normals),
+    )
+    if not held:
+        return Fit(start, 0.0)
+    warp = Warp(coefficients)
     return Fit(warp, share_met(surface, landmarks, warp))
 
 
@@ -112,17 +91,4 @@ def _match(surface: Surface, landmarks: Landmarks, warp: Warp, reach: float) -> 
     off, far, cosine = kernels.compared(
         points, normals, landmarks.points, landmarks.normals, warp.coefficients, warp.back
     )
-    return _Match(points, off, (cosine > FACING) & (far < reach))
-
-
-def _change(match: _Match, landmarks: Landmarks, count: int) -> FloatArray:
-    """Solve for the change of the first `count` terms that takes the distances away: (10, 3)."""
-    spread = max(1.4826 * float(np.median(np.abs(match.distance[match.reached]))), FLOOR)
-    weight = np.clip(1 - (match.distance / (TUKEY * spread)) ** 2, 0, None) ** 2 * match.reached
-    slopes = terms(match.points)[:, :count, None] * landmarks.normals[:, None, :]
-    slopes = slopes.reshape(len(weight), -1)
-    normal = slopes.T @ (weight[:, None] * slopes)
-    normal += np.diag(np.repeat(DAMPING[:count], 3)) * weight.sum()
-    change = np.zeros((QUADRATIC_TERMS, 3))
-    change[:count] = np.linalg.solve(normal, -slopes.T @ (weight * match.distance)).reshape(count, 3)
-    return change
+    return _Match(off, (cosine > FACING) & (far < reach))

@@ -4,11 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wm3d.scanner.registration.fit import FLOOR, Fit, fitted, share_met
+from wm3d.arrays import IntArray
+from wm3d.scanner.registration.fit import Fit, fitted, share_met
+from wm3d.scanner.registration.fit_kernels import FLOOR
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.search import turned_starts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
+from wm3d.scanner.threads import by_halves
 
 EXACT = FLOOR / 2
 """Distance at which half of the landmarks must be met for a pose to be left as it is."""
@@ -32,14 +35,15 @@ FLATTENING = 1e6
 SKETCH, SKETCH_ROUNDS = 3, 15
 """Turned starts are tried on one landmark in so many, for so many rounds."""
 
-BATCH, CLEAR = 8, 0.4
-"""They are tried so many at a time, until one meets this share of the landmarks."""
+CLEAR = 0.4
+"""Share of the landmarks that a fit from a turned start meets at least, if it is the right one."""
 
 FINALISTS, MOST_FINALISTS = 3, 8
-"""The best few are fitted in full; more, one after the other, as long as none meets that share."""
+"""The best few are fitted in full; more, one after the other, as long as none is clear."""
 
-UNLIKELY = 0.1
-"""How much more of the sketch a mirror image must meet to be fitted before what is none."""
+PROMISING, UNLIKELY = 0.75, 0.06
+"""A start of the mirror image is left where its sketch meets less than this part of what is met without, and
+a fit of it where it does not meet so much more: a model may be nearly its own mirror image."""
 
 
 def registered(
@@ -70,9 +74,11 @@ def registered(
         fits.append(_best([Fit(pose, share_met(surface, landmarks, pose)), *_bent(surface, landmarks, pose)]))
         if fits[-1].share >= SURE:
             return fits[-1]
-    if not fits or _best(fits).share < SURE:
-        fits += _searched(surface, landmarks, mirrored)
-    return _best(fits)
+    best = _best([*fits, *_searched(surface, landmarks)])
+    images = _searched(surface, landmarks, best) if mirrored else []
+    if images and _best(images).share > max(best.share + UNLIKELY, CLEAR):
+        best = _best(images)
+    return best
 
 
 def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> list[Fit]:
@@ -89,24 +95,24 @@ def _best(fits: list[Fit]) -> Fit:
     return best
 
 
-def _searched(surface: Surface, landmarks: Landmarks, mirrored: bool) -> list[Fit]:
-    """Return the fits from the turned starts whose sketch meets most landmarks, mirror images last."""
-    sketch = landmarks.every(SKETCH)
-    sketched: list[Fit] = []
-    for start in turned_starts(surface, landmarks, mirrored):
-        if len(sketched) % BATCH == 0 and _clear(sketched):
-            break
-        sketched.append(
-            fitted(surface, sketch, start, quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
-        )
-    sketched.sort(key=lambda fit: UNLIKELY * fit.warp.mirrors - fit.share)
+def _searched(surface: Surface, landmarks: Landmarks, other: Fit | None = None) -> list[Fit]:
+    """Return the fits from the turned starts whose sketch meets most landmarks.
+
+    With the best fit of a surface, those of its mirror image that may meet more.
+    """
+    sketch, starts = landmarks.every(SKETCH), turned_starts(surface, landmarks, mirrored=other is not None)
+
+    def sketches(numbers: IntArray) -> list[Fit]:
+        return [
+            fitted(surface, sketch, starts[k], quadratic=False, reach=FAR_REACH, rounds=SKETCH_ROUNDS)
+            for k in numbers
+        ]
+
+    one, more = by_halves(sketches, np.arange(len(starts)))
     fits: list[Fit] = []
-    for best in sketched[:MOST_FINALISTS]:
-        if len(fits) >= FINALISTS and _clear(fits):
+    for best in sorted(one + more, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
+        hopeless = other is not None and best.share < PROMISING * other.share
+        if hopeless or (len(fits) >= FINALISTS and any(fit.share >= CLEAR for fit in fits)):
             break
         fits.append(_best(_bent(surface, landmarks, best.warp)))
-    return sorted(fits, key=lambda fit: fit.warp.mirrors)
-
-
-def _clear(fits: list[Fit]) -> bool:
-    return any(fit.share >= CLEAR for fit in fits)
+    return fits

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -34,14 +34,11 @@ them; where they spread farther along one, half of the model lies farther off th
 OWN = np.array([1.0, 1.0, -1.0])
 """Makes a rotation a way to lay a mesh that is no mirror image: the frame of a scanner is left-handed."""
 
-CANDIDATES, CLOSE = 512, 10.0
+CANDIDATES, CLOSE = 256, 10.0
 """How many of the places tried are improved, the best first, and the least angle between two, in degrees."""
 
-FIRST_STEPS, STEPS = (0.3, 0.2), (0.2, 0.1, 0.1, 0.05)
+STEPS = (0.3, 0.2, 0.2, 0.1, 0.1, 0.05)
 """Steps of that: turns in radians, shifts in the size of the landmarks, and half as much of the own size."""
-
-KEPT = 0.5
-"""Part of them that is improved further after the first steps."""
 
 LEAST_SIZE, MOST_SIZE = 0.5, 1.1
 """Bounds of the sizes that are come to."""
@@ -72,10 +69,6 @@ class _Places(NamedTuple):
             yield self._replace(shift=self.shift + step * way)
         for growth in (1 - step / 2, 1 + step / 2):
             yield self._replace(size=(growth * self.size).clip(LEAST_SIZE, MOST_SIZE))
-
-    def some(self, which: IntArray) -> Self:
-        """Return some of these places."""
-        return type(self)(*(part[which] for part in self))
 
     def replaced(self, where: BoolArray, others: Self) -> Self:
         """Return these places with `others` in the place of some."""
@@ -125,14 +118,13 @@ class _Field(NamedTuple):
         return misfit
 
 
-def turned_starts(surface: Surface, landmarks: Landmarks, mirrored: bool) -> list[Warp]:
-    """Return the ways to lay a surface on landmarks under which its points come nearest to them.
+def turned_starts(surface: Surface, landmarks: Landmarks, *, mirrored: bool) -> list[Warp]:
+    """Return the ways to lay a surface, or its mirror image, on landmarks under which points come nearest.
 
     Points of the surface look for landmarks and not the other way round, since of a model that lost a part
     every point still has its landmark: those that would be landmarks themselves. Turns are tried all around,
     each at the best of some sizes and shifts; the best of these places are improved in small steps towards
-    the tangent planes, and compared by these and by the normals. With `mirrored`, as many turns of the mirror
-    image are among them.
+    the tangent planes, and compared by these and by the normals.
     """
     goal = landmarks.points.mean(axis=0)
     spread = landmarks.points.std(axis=0)
@@ -141,13 +133,11 @@ def turned_starts(surface: Surface, landmarks: Landmarks, mirrored: bool) -> lis
     probes = Landmarks.of(surface, Warp.linear(np.eye(3), np.zeros(3)))
 
     few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
-    candidates = turns(TURNS) * OWN
-    if mirrored:
-        candidates = np.concatenate([candidates, -candidates])
-    tried, misfit = _tried(few, candidates, SHIFTS * math.sqrt(3) * spread / size, field.distance)
+    hand = -OWN if mirrored else OWN
+    tried, misfit = _tried(few, turns(TURNS) * hand, SHIFTS * math.sqrt(3) * spread / size, field.distance)
     best = np.argsort(misfit, kind="stable")
     best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
-    halves = by_halves(lambda half: _improved(tried.some(half), probes, field), best)
+    halves = by_halves(lambda half: _improved(_Places(*(part[half] for part in tried)), probes, field), best)
     places = _Places(*(np.concatenate(parts) for parts in zip(*halves, strict=True)))
     order = np.argsort(field.misfit(places, probes), kind="stable")
     chosen = order[apart(places.turn[order], APART, STARTS)]
@@ -169,16 +159,8 @@ def _tried(
 
 
 def _improved(places: _Places, probes: Landmarks, field: _Field) -> _Places:
-    """Take steps downhill from each place, and more from the best of them; return these."""
-    places = _descended(places, FIRST_STEPS, probes, field)
-    best = np.argsort(field.misfit(places, probes), kind="stable")
-    kept = best[: math.ceil(KEPT * len(best))]
-    return _descended(places.some(kept), STEPS, probes, field)
-
-
-def _descended(places: _Places, steps: Sequence[float], probes: Landmarks, field: _Field) -> _Places:
-    """Take one step after the other from each place, every one in the best of the directions."""
-    for step in steps:
+    """Take steps downhill from each place, every one in the best of the directions."""
+    for step in STEPS:
         best, least = places, field.misfit(places, probes)
         for neighbour in places.neighbours(step):
             misfit = field.misfit(neighbour, probes)

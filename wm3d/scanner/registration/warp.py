@@ -16,8 +16,8 @@ MOST_STRETCH, MOST_BEND = 10.0, 0.5
 FARTHEST = 100.0
 """Coordinate beyond which no point is looked for, at size 1."""
 
-_ROUNDS = 8
-"""Of the inversion; each gains a digit where the map is nearly linear."""
+INVERSIONS = 8
+"""Rounds of the inversion; each gains a digit where the map is nearly linear."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,18 +68,12 @@ class Warp:
         unit: FloatArray = turned / np.where(length > 0, length, 1.0)
         return unit
 
-    def is_sound(self) -> bool:
-        """Tell whether the linear part has an inverse and dominates, as far as a model reaches."""
-        stretch = np.linalg.svd(self.matrix, compute_uv=False)
-        bend = np.abs(self.coefficients[LINEAR_TERMS:]).max()
-        return bool(stretch[0] < MOST_STRETCH and stretch[-1] > 1 / MOST_STRETCH and bend < MOST_BEND)
-
     def inverse(self, images: FloatArray) -> FloatArray:
         """Return the points (n, 3) that the map takes to these, nearly, where it is nearly linear.
 
         Elsewhere the search for them may run away; it ends at `FARTHEST`.
         """
-        rounds = _ROUNDS if self.coefficients[LINEAR_TERMS:].any() else 0
+        rounds = INVERSIONS if self.coefficients[LINEAR_TERMS:].any() else 0
         points: FloatArray = kernels.preimages(images, self.coefficients, self.back, rounds, FARTHEST)
         return points
 
