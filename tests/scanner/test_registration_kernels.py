@@ -80,14 +80,19 @@ def test_places_are_numbered_by_their_cells_and_beside_the_cube_by_the_nearest()
     np.testing.assert_array_equal(cells(PROBES), numbered(PROBES))
 
 
-def test_best_of_the_sizes_and_shifts_tried_is_that_of_all_looked_up_at_once():
+@pytest.mark.parametrize("power", [0.0, 1.0])
+def test_best_of_the_sizes_and_shifts_tried_is_that_of_all_looked_up_at_once(power: float):
     sizes, shifts = np.array([1.0, 0.8]), RNG.normal(0, 0.5, (5, 3))
     pairs = list(itertools.product(range(2), range(5)))
     turned = PROBES @ TURNS.swapaxes(1, 2)
     means = np.stack(
-        [DISTANCE[numbered(sizes[a] * turned + shifts[b])].mean(axis=1) for a, b in pairs], axis=1
+        [
+            DISTANCE[numbered(sizes[a] * turned + shifts[b])].mean(axis=1) / sizes[a] ** power
+            for a, b in pairs
+        ],
+        axis=1,
     )
-    least, size, shift = nearest_tried(PROBES, TURNS, sizes, shifts, DISTANCE)
+    least, size, shift = nearest_tried(PROBES, TURNS, sizes, shifts, DISTANCE, power)
     np.testing.assert_allclose(least, means.min(axis=1), rtol=1e-12)
     assert list(zip(size, shift, strict=True)) == [pairs[best] for best in means.argmin(axis=1)]
 

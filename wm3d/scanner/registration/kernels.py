@@ -189,11 +189,17 @@ def cells(places: FloatArray) -> IntArray:
 
 @njit(cache=True, nogil=True)
 def nearest_tried(
-    probes: FloatArray, turns: FloatArray, sizes: FloatArray, shifts: FloatArray, distance: FloatArray
+    probes: FloatArray,
+    turns: FloatArray,
+    sizes: FloatArray,
+    shifts: FloatArray,
+    distance: FloatArray,
+    power: float,
 ) -> tuple[FloatArray, IntArray, IntArray]:
     """Least mean of the cells' `distance` from (k, 3) probes, over all sizes and shifts, for each turn.
 
-    Turns (n, 3, 3), sizes (a,), shifts (b, 3). Returns the means and the places of size and shift: (n,) each.
+    Turns (n, 3, 3), sizes (a,), shifts (b, 3). Means are divided by a power of the size. Returns them and the
+    places of size and shift: (n,) each.
     """
     least = np.full(len(turns), np.inf)
     size, shift = np.zeros(len(turns), dtype=np.int64), np.zeros(len(turns), dtype=np.int64)
@@ -204,8 +210,9 @@ def nearest_tried(
                 total = 0.0
                 for k in range(len(probes)):
                     total += distance[_cell(_placed(turned[k], sizes[a], shifts[b]))]
-                if total / len(probes) < least[n]:
-                    least[n], size[n], shift[n] = total / len(probes), a, b
+                mean = total / len(probes) / sizes[a] ** power
+                if mean < least[n]:
+                    least[n], size[n], shift[n] = mean, a, b
     return least, size, shift
 
 

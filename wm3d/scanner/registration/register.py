@@ -8,7 +8,7 @@ from wm3d.arrays import IntArray
 from wm3d.scanner.registration.fit import Fit, fitted, share_met
 from wm3d.scanner.registration.fit_kernels import FLOOR
 from wm3d.scanner.registration.landmarks import Landmarks
-from wm3d.scanner.registration.search import turned_starts
+from wm3d.scanner.registration.search import Search, turned_starts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
 from wm3d.scanner.threads import by_halves
@@ -41,9 +41,15 @@ CLEAR = 0.4
 FINALISTS, MOST_FINALISTS = 3, 8
 """The best few are fitted in full; more, one after the other, as long as none is clear."""
 
+FURTHER = (Search(False, True), Search(True, False), Search(True, True))
+"""What is looked for after a part of the model."""
+
+DOUBTFUL = 0.65
+"""Share met below which the whole model is looked for, amid something that was added."""
+
 PROMISING, UNLIKELY = 0.75, 0.06
-"""A start of the mirror image is left where its sketch meets less than this part of what is met without, and
-a fit of it where it does not meet so much more: a model may be nearly its own mirror image."""
+"""There a start is left where its sketch meets less than this part of what is met already, and a fit where it
+does not meet so much more: a model may be nearly its own mirror image."""
 
 
 def registered(
@@ -74,10 +80,13 @@ def registered(
         fits.append(_best([Fit(pose, share_met(surface, landmarks, pose)), *_bent(surface, landmarks, pose)]))
         if fits[-1].share >= SURE:
             return fits[-1]
-    best = _best([*fits, *_searched(surface, landmarks)])
-    images = _searched(surface, landmarks, best) if mirrored else []
-    if images and _best(images).share > max(best.share + UNLIKELY, CLEAR):
-        best = _best(images)
+    best = _best([*fits, *_searched(surface, landmarks, Search(mirrored=False, whole=False))])
+    for search in FURTHER:
+        if (search.mirrored and not mirrored) or (search.whole and best.share >= DOUBTFUL):
+            continue
+        others = _searched(surface, landmarks, search, PROMISING * best.share)
+        if others and _best(others).share > best.share + UNLIKELY:
+            best = _best(others)
     return best
 
 
@@ -95,12 +104,9 @@ def _best(fits: list[Fit]) -> Fit:
     return best
 
 
-def _searched(surface: Surface, landmarks: Landmarks, other: Fit | None = None) -> list[Fit]:
-    """Return the fits from the turned starts whose sketch meets most landmarks.
-
-    With the best fit of a surface, those of its mirror image that may meet more.
-    """
-    sketch, starts = landmarks.every(SKETCH), turned_starts(surface, landmarks, mirrored=other is not None)
+def _searched(surface: Surface, landmarks: Landmarks, search: Search, least: float = 0.0) -> list[Fit]:
+    """Return the fits from the turned starts whose sketch meets most landmarks, and so many."""
+    sketch, starts = landmarks.every(SKETCH), turned_starts(surface, landmarks, search)
 
     def sketches(numbers: IntArray) -> list[Fit]:
         return [
@@ -108,11 +114,11 @@ def _searched(surface: Surface, landmarks: Landmarks, other: Fit | None = None) 
             for k in numbers
         ]
 
-    one, more = by_halves(sketches, np.arange(len(starts)))
+    one, other = by_halves(sketches, np.arange(len(starts)))
     fits: list[Fit] = []
-    for best in sorted(one + more, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
-        hopeless = other is not None and best.share < PROMISING * other.share
-        if hopeless or (len(fits) >= FINALISTS and any(fit.share >= CLEAR for fit in fits)):
+    for best in sorted(one + other, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
+        clear = any(fit.share >= CLEAR for fit in fits)
+        if best.share < least or (len(fits) >= FINALISTS and clear):
             break
         fits.append(_best(_bent(surface, landmarks, best.warp)))
     return fits

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -37,8 +37,11 @@ OWN = np.array([1.0, 1.0, -1.0])
 CANDIDATES, CLOSE = 256, 10.0
 """How many of the places tried are improved, the best first, and the least angle between two, in degrees."""
 
-STEPS = (0.3, 0.2, 0.2, 0.1, 0.1, 0.05)
+FIRST_STEPS, STEPS = (0.3, 0.2), (0.2, 0.1, 0.1, 0.05)
 """Steps of that: turns in radians, shifts in the size of the landmarks, and half as much of the own size."""
+
+KEPT = 96
+"""How many of them are improved further after the first steps."""
 
 LEAST_SIZE, MOST_SIZE = 0.5, 1.1
 """Bounds of the sizes that are come to."""
@@ -70,6 +73,10 @@ class _Places(NamedTuple):
         for growth in (1 - step / 2, 1 + step / 2):
             yield self._replace(size=(growth * self.size).clip(LEAST_SIZE, MOST_SIZE))
 
+    def some(self, which: IntArray) -> Self:
+        """Return some of these places."""
+        return type(self)(*(part[which] for part in self))
+
     def replaced(self, where: BoolArray, others: Self) -> Self:
         """Return these places with `others` in the place of some."""
         wide = where[:, None]
@@ -81,25 +88,29 @@ class _Places(NamedTuple):
 
 
 class _Field(NamedTuple):
-    """Landmarks as they are looked up from the cells of the cube.
+    """Points as they are looked up from the cells of the cube.
 
     Attributes
     ----------
     points, normals : (k, 3) ndarray
-        Of the landmarks, whose middle is 0 and whose size is 1.
+        Their middle is 0, their size 1.
     nearest : (GRID³,) ndarray
-        The landmark nearest to each cell.
+        The one nearest to each cell.
     distance : (GRID³,) ndarray
         How far it is, `FAR` at most.
+    power : float
+        Misfits are divided by this power of the size: a model amid other things would fit best where it is
+        small, on any even patch of them.
     """
 
     points: FloatArray
     normals: FloatArray
     nearest: IntArray
     distance: FloatArray
+    power: float
 
     @classmethod
-    def of(cls, points: FloatArray, normals: FloatArray) -> Self:
+    def of(cls, points: FloatArray, normals: FloatArray, power: float) -> Self:
         """Look up what is nearest to every cell."""
         cells = kernels.cells(points)
         landmark = np.full(GRID**3, -1)
@@ -107,38 +118,60 @@ class _Field(NamedTuple):
         cube = (landmark < 0).reshape((GRID,) * 3)
         distance, (i, j, k) = distance_transform_edt(cube, return_indices=True)
         nearest = landmark.reshape(cube.shape)[i, j, k]
-        return cls(points, normals, nearest.ravel(), np.minimum(distance * CELL, FAR).ravel())
+        return cls(points, normals, nearest.ravel(), np.minimum(distance * CELL, FAR).ravel(), power)
 
     def misfit(self, places: _Places, probes: Landmarks) -> FloatArray:
-        """Return how far probes lie off the landmarks in each of (n,) places, on average."""
+        """Return how far probes lie off the points in each of (n,) places, on average."""
         misfit: FloatArray = kernels.misfits(
             *(probes.points, probes.normals, places.turn, places.size, places.shift),
             *(self.points, self.normals, self.nearest, self.distance),
         )
-        return misfit
+        return misfit / places.size**self.power
 
 
-def turned_starts(surface: Surface, landmarks: Landmarks, *, mirrored: bool) -> list[Warp]:
-    """Return the ways to lay a surface, or its mirror image, on landmarks under which points come nearest.
+class Search(NamedTuple):
+    """What is looked for: the suspect or its mirror image, as a part of the model or as all and more."""
 
-    Points of the surface look for landmarks and not the other way round, since of a model that lost a part
-    every point still has its landmark: those that would be landmarks themselves. Turns are tried all around,
-    each at the best of some sizes and shifts; the best of these places are improved in small steps towards
-    the tangent planes, and compared by these and by the normals.
+    mirrored: bool
+    whole: bool
+
+
+def turned_starts(surface: Surface, landmarks: Landmarks, search: Search) -> list[Warp]:
+    """Return the ways to lay a surface on landmarks under which points come nearest.
+
+    Of a model that lost a part every point still has its landmark, and of one to which something was added
+    every landmark has its point. So the points of the surface that would be landmarks themselves look for
+    landmarks, or with `whole` the other way round. Turns are tried all around, each at the best of some sizes
+    and shifts; the best of these places are improved in small steps towards the tangent planes, and compared
+    by these and by the normals.
     """
-    goal = landmarks.points.mean(axis=0)
-    spread = landmarks.points.std(axis=0)
+    suspect = Landmarks.of(surface, Warp.linear(np.eye(3), np.zeros(3)))
+    if search.whole:
+        middle, size = landmarks.points.mean(axis=0), float(np.linalg.norm(landmarks.points.std(axis=0)))
+        model = Landmarks((landmarks.points - middle) / size, landmarks.normals)
+        inverse = [
+            Warp.linear(pose.matrix / size, pose.coefficients[0] - pose.matrix @ middle / size)
+            for pose in _laid(model, suspect, search.mirrored, power=1.0)
+        ]
+        return [pose.inverted() for pose in inverse]
+    return _laid(suspect, landmarks, search.mirrored, power=0.0)
+
+
+def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, power: float) -> list[Warp]:
+    """Return the ways to lay probes, of middle 0 and size 1, on points among which all have their place."""
+    goal = others.points.mean(axis=0)
+    spread = others.points.std(axis=0)
     size = float(np.linalg.norm(spread))
-    field = _Field.of((landmarks.points - goal) / size, landmarks.normals)
-    probes = Landmarks.of(surface, Warp.linear(np.eye(3), np.zeros(3)))
+    field = _Field.of((others.points - goal) / size, others.normals, power)
 
     few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
     hand = -OWN if mirrored else OWN
-    tried, misfit = _tried(few, turns(TURNS) * hand, SHIFTS * math.sqrt(3) * spread / size, field.distance)
+    tried, misfit = _tried(few, turns(TURNS) * hand, SHIFTS * math.sqrt(3) * spread / size, field)
     best = np.argsort(misfit, kind="stable")
     best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
-    halves = by_halves(lambda half: _improved(_Places(*(part[half] for part in tried)), probes, field), best)
-    places = _Places(*(np.concatenate(parts) for parts in zip(*halves, strict=True)))
+    places = _descended(tried.some(best), FIRST_STEPS, probes, field)
+    best = np.argsort(field.misfit(places, probes), kind="stable")[:KEPT]
+    places = _descended(places.some(best), STEPS, probes, field)
     order = np.argsort(field.misfit(places, probes), kind="stable")
     chosen = order[apart(places.turn[order], APART, STARTS)]
     return [
@@ -147,24 +180,30 @@ def turned_starts(surface: Surface, landmarks: Landmarks, *, mirrored: bool) -> 
 
 
 def _tried(
-    probes: Landmarks, candidates: FloatArray, shifts: FloatArray, distance: FloatArray
+    probes: Landmarks, candidates: FloatArray, shifts: FloatArray, field: _Field
 ) -> tuple[_Places, FloatArray]:
     """Return the best size and shift for each of (n, 3, 3) turns, and how far probes then lie off: (n,)."""
     sizes = np.array(SIZES)
     halves = by_halves(
-        lambda half: kernels.nearest_tried(probes.points, half, sizes, shifts, distance), candidates
+        lambda half: kernels.nearest_tried(probes.points, half, sizes, shifts, field.distance, field.power),
+        candidates,
     )
     misfit, size, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
     return _Places(candidates, sizes[size], shifts[shift]), misfit
 
 
-def _improved(places: _Places, probes: Landmarks, field: _Field) -> _Places:
-    """Take steps downhill from each place, every one in the best of the directions."""
-    for step in STEPS:
-        best, least = places, field.misfit(places, probes)
-        for neighbour in places.neighbours(step):
-            misfit = field.misfit(neighbour, probes)
-            best = best.replaced(misfit < least, neighbour)
-            least = np.minimum(misfit, least)
-        places = best
-    return places
+def _descended(places: _Places, steps: Sequence[float], probes: Landmarks, field: _Field) -> _Places:
+    """Take one step after the other from each place, every one in the best of the directions."""
+
+    def improved(which: IntArray) -> _Places:
+        best = places.some(which)
+        for step in steps:
+            here, least = best, field.misfit(best, probes)
+            for neighbour in here.neighbours(step):
+                misfit = field.misfit(neighbour, probes)
+                best = best.replaced(misfit < least, neighbour)
+                least = np.minimum(misfit, least)
+        return best
+
+    one, other = by_halves(improved, np.arange(len(places.size)))
+    return _Places(*(np.concatenate(parts) for parts in zip(one, other, strict=True)))

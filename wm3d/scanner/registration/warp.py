@@ -51,6 +51,10 @@ class Warp:
         """The matrix of the linear part, (3, 3)."""
         return self.coefficients[1:LINEAR_TERMS].T
 
+    def inverted(self) -> "Warp":
+        """Return the inverse of a linear map."""
+        return Warp.linear(self.back.T, -self.coefficients[0] @ self.back)
+
     @cached_property
     def mirrors(self) -> bool:
         """Whether it takes a surface to its mirror image: the frame of a scanner is left-handed."""
