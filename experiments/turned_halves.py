@@ -1,6 +1,6 @@
 """Cut off a part of a model and turn the rest; count how often the search lays it where it belongs.
 
-    WM3D_DATA=folder-with-the-meshes python experiments/turned_halves.py [--percent 50] [--mirrored]
+    WM3D_DATA=folder python experiments/turned_halves.py [--percent 50] [--cuts 12] [--seed 500] [--mirrored]
 
 Each cut has a random direction, each turn is random, parts are mended as detection does it, and nothing is
 known of the pose. Prints for each model how many parts were laid within `NEAR` of the turn that undoes

@@ -41,8 +41,12 @@ CLEAR = 0.4
 FINALISTS, MOST_FINALISTS = 3, 8
 """The best few are fitted in full; more, one after the other, as long as none is clear."""
 
-FURTHER = (Search(False, True), Search(True, False), Search(True, True))
-"""What is looked for after a part of the model."""
+FURTHER = (
+    Search(mirrored=False, whole=True),
+    Search(mirrored=True, whole=False),
+    Search(mirrored=True, whole=True),
+)
+"""What is looked for after a part of the model, while less than `SURE` is met."""
 
 DOUBTFUL = 0.65
 """Share met below which the whole model is looked for, amid something that was added."""
@@ -82,6 +86,8 @@ def registered(
             return fits[-1]
     best = _best([*fits, *_searched(surface, landmarks, Search(mirrored=False, whole=False))])
     for search in FURTHER:
+        if best.share >= SURE:
+            break
         if (search.mirrored and not mirrored) or (search.whole and best.share >= DOUBTFUL):
             continue
         others = _searched(surface, landmarks, search, PROMISING * best.share)
