@@ -21,7 +21,7 @@ FEWEST = 60
 
 SURE = 0.85
 """Share of the landmarks met at which a pose is taken, and no other and no turned start tried. A smooth model
-that lost a part may meet 0.8 in the wrong place, or mirrored."""
+that lost a part may meet 0.86 in the wrong place, or mirrored."""
 
 GAIN = 0.03
 """By how much the share of the landmarks met must grow for a fit to be preferred to a simpler one."""
