@@ -1,5 +1,6 @@
 """What the key holds of a mesh that `range-dct` marked, and how it lays a suspect where that lay."""
 
+from contextlib import suppress
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
@@ -14,7 +15,7 @@ from wm3d.mesh.solid import ENTRIES
 from wm3d.packing import unpacked
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, mirror_image, recognized
 from wm3d.scanner.denoise import denoised
-from wm3d.scanner.registration import CLEAR, Landmarks, Surface, Warp, nearest, registered
+from wm3d.scanner.registration import Landmarks, Surface, Warp, nearest, registered
 from wm3d.scanner.scan import MAX_GRID
 
 FARTHEST = 1e60
@@ -121,26 +122,17 @@ class Reference(BaseModel):
         Of the poses of a symmetric solid the landmarks choose one, and they lie on what the right key made of
         the surface: on an unmarked one, too, that key does better there than in the others. So all of them
         count as tries. Of other solids that must be searched for the mirror image is searched for, too: no
-        moments tell what is a part of one.
-
-        Raises
-        ------
-        NoSolidError
-            If the faces bound no solid and do not meet the landmarks either.
+        moments tell what is a part of one. What bounds no solid, as what one view of a scanner saw, has no
+        moments: the landmarks alone must tell where it lies.
         """
         landmarks, moments = Landmarks.decode(self.landmarks), SolidMoments.of_entries(self.moments)
         frames: list[AffineFrame] = []
-        failure = None
-        try:
+        with suppress(NoSolidError):
             mesh, frames = recognized(denoised(mesh, self.area), moments, self.ways)
-        except NoSolidError as error:  # as what one view of a scanner saw: the landmarks alone may tell
-            failure = error
         surface = Surface.of(mesh)
         poses = [self.home_pose(surface)]
         if frames:
             poses.insert(0, nearest(surface, landmarks, [self.pose(frame, surface) for frame in frames]))
         found = registered(surface, landmarks, poses, mirrored=self.ways == 1)
-        if failure is not None and found.share < CLEAR:
-            raise failure
         vertices = found.warp(surface.placed(mesh.vertices))
         return Laid(mirror_image(mesh) if found.warp.mirrors else mesh, vertices, len(frames) or self.ways)

@@ -2,8 +2,8 @@
 
 from wm3d.scanner.registration.fit import nearest
 from wm3d.scanner.registration.landmarks import Landmarks
-from wm3d.scanner.registration.register import CLEAR, registered
+from wm3d.scanner.registration.register import registered
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
 
-__all__ = ["CLEAR", "Landmarks", "Surface", "Warp", "nearest", "registered"]
+__all__ = ["Landmarks", "Surface", "Warp", "nearest", "registered"]
