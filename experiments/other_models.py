@@ -88,7 +88,8 @@ def main() -> None:
     lines = []
     for mesh in models(options.folder):
         lines.append(row(mesh, options.seed))
-        print(f"{mesh.name}: {lines[-1].get('refused', lines[-1].get('clean'))}", flush=True)
+        refused = lines[-1].get("refused")
+        print(f"{mesh.name}: {refused or 'z {:.1f}'.format(lines[-1]['clean'])}", flush=True)
     if not lines:
         parser.error(f"{options.folder} holds no mesh")
     columns = ["model", "vertices", "faces", "refused", *(attack.label() for attack in ATTACKED), "version"]

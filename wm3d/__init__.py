@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from wm3d.metrics import compare, snr
     from wm3d.scanner import scan
     from wm3d.schemes import Key
+
+    __version__: str
 else:
     _HOMES = {
         "Key": "wm3d.schemes",
@@ -32,6 +34,8 @@ else:
     def __getattr__(name: str) -> Any:
         if name in _PACKAGES:
             return import_module(f"wm3d.{name}")
+        if name == "__version__":
+            return import_module("importlib.metadata").version("wm3d")
         if name not in _HOMES:
             raise AttributeError(f"module 'wm3d' has no attribute {name!r}")
         globals()[name] = value = getattr(import_module(_HOMES[name]), name)
@@ -45,6 +49,7 @@ __all__ = [
     "Key",
     "Mesh",
     "Wm3dError",
+    "__version__",
     "attacks",
     "compare",
     "detect",

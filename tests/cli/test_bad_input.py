@@ -102,6 +102,7 @@ def _table() -> list[tuple[str, str, str]]:
         (f"{EMBED} alhpa=1", "alhpa", "did you mean 'alpha'"),
         (f"{EMBED} seed=1", "seed", "unknown parameter"),
         (f"{EMBED} name=clean", "name=clean", "param=value"),
+        (f"{EMBED} mark.alpha=6", "mark.alpha=6", "'mark={name: ..., alpha: 6}'"),
         (f"{DETECT} --pf 0", "false-alarm probability", "0.0"),
         (f"{DETECT} --pf 1.5", "false-alarm probability", "1.5"),
         (f"{DETECT} --pf nan", "false-alarm probability", "nan"),

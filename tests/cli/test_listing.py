@@ -1,5 +1,6 @@
 """`wm3d list` and `wm3d data`: complete, and in a form that can be typed back."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,22 @@ def test_every_listed_default_can_be_typed_back(wm3d: Run) -> None:
         pairs = [word.partition("|")[0] for word in words if "=" in word]
         assert len(pairs) == len(ATTACKS[name].model_fields) - 1
         assert ATTACKS.build(name, assignments(pairs)) == ATTACKS[name]()
+
+
+@pytest.mark.parametrize("kind", ["schemes", "attacks", "imagemarks", "detectors", "metrics", "poses"])
+def test_json_lists_the_names_of_the_table(kind: str, wm3d: Run) -> None:
+    names = [line.split()[0] for line in wm3d("list", kind).stdout.splitlines()[1:]]
+    assert [one["name"] for one in json.loads(wm3d("list", kind, "--json").stdout)] == names
+
+
+def test_json_holds_the_defaults(wm3d: Run) -> None:
+    for one in json.loads(wm3d("list", "attacks", "--json").stdout):
+        assert ATTACKS.build(one["name"], one["parameters"]) == ATTACKS[one["name"]]()
+
+
+def test_what_embedding_finds_out_is_not_listed_as_a_parameter(wm3d: Run) -> None:
+    assert "blocks=null" in wm3d("list", "schemes").stdout
+    assert "reference" not in wm3d("list", "schemes").stdout
 
 
 def test_other_words_of_a_parameter_are_listed(wm3d: Run) -> None:
@@ -53,6 +70,9 @@ def test_data_list_has_the_registry_and_the_data_folder(
     monkeypatch.setenv("WM3D_DATA", str(tmp_path))
     lines = wm3d("data", "list").stdout.splitlines()
     assert [line.split()[0] for line in lines[1:]] == datasets.dataset_names()
+    assert [
+        one["name"] for one in json.loads(wm3d("data", "list", "--json").stdout)
+    ] == datasets.dataset_names()
     assert str(tmp_path / "mine.ply") in next(line for line in lines if line.startswith("mine "))
     assert wm3d("data", "path", "mine").stdout == f"{tmp_path / 'mine.ply'}\n"
 

@@ -96,6 +96,17 @@ def test_embed_reaches_the_wanted_snr(wm3d: Run, files: Path, out: Path) -> None
     )
 
 
+def test_embed_tells_scripts_what_detect_tells_them(wm3d: Run, files: Path, out: Path) -> None:
+    target, key = out / "marked.ply", out / "key.json"
+    told = json.loads(wm3d("embed", files / "good.ply", target, "--key", key, "--json", *SMALL).stdout)
+    assert told["snr_db"] == pytest.approx(
+        library.snr(library.load_mesh(files / "good.ply"), library.load_mesh(target)), abs=1e-9
+    )
+    read = json.loads(wm3d("detect", told["marked"], "--key", told["key"], "--json").stdout)
+    assert read.pop("mesh") == told["marked"]
+    assert read.items() <= told.items()
+
+
 def test_key_holds_the_options_and_the_parameters(wm3d: Run, files: Path, out: Path) -> None:
     options = ("--seed", "5", "--alpha", "2.5", *SMALL, "miss=exclude", "detector={name: linear}")
     wm3d("embed", files / "good.ply", out / "marked.ply", "--key", out / "key.json", *options)

@@ -1,6 +1,7 @@
 """`wm3d attack` and `wm3d scan`: the same meshes and images as the library, and pictures the right way up."""
 
 import io
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -46,6 +47,15 @@ def test_face_counts_before_and_after(wm3d: Run, files: Path, out: Path) -> None
 @pytest.mark.parametrize("file", ["triangle.off", "sheet.off", "sphere.ply"])
 def test_attacks_need_no_pose(file: str, wm3d: Run, files: Path, out: Path) -> None:
     assert wm3d("attack", files / file, out / "noisy.ply", "gaussian-noise").status == 0
+
+
+def test_attack_tells_scripts_what_it_prints(wm3d: Run, files: Path, out: Path) -> None:
+    arguments = ("attack", files / "good.ply", out / "noisy.stl", "gaussian-noise", "percent=0.5")
+    told = json.loads(wm3d(*arguments, "--seed", "4", "--json").stdout)
+    mesh = library.load_mesh(files / "good.ply")
+    assert (told["attack"], told["seed"]) == ("gaussian-noise 0.5 rms-vector", 4)
+    assert told["vertices"] == [len(mesh.vertices), 3 * len(mesh.faces)]
+    assert told["sigma_percent"] == pytest.approx(0.5 / 3**0.5)
 
 
 def test_stored_ranges_are_those_of_the_library(wm3d: Run, files: Path, out: Path) -> None:

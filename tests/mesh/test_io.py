@@ -160,6 +160,11 @@ def test_places_that_cannot_be_written_are_named(tmp_path):
         save_mesh(box(), tmp_path / "mesh.xyz")
 
 
+def test_mesh_and_path_in_the_wrong_order_are_named(tmp_path):
+    with pytest.raises(Wm3dError, match=r"the mesh is a str, not a wm3d\.Mesh; the order is mesh, path"):
+        save_mesh(str(tmp_path / "a.ply"), tetrahedron())
+
+
 @pytest.mark.parametrize("step", ["os.open", "pathlib.Path.replace"])
 def test_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, step):
     save_mesh(box(), tmp_path / "mesh.ply")

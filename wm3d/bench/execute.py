@@ -1,6 +1,7 @@
 """Running tasks in this process, on local processes or on a Dask cluster; results come in any order."""
 
 import os
+import warnings
 from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 
@@ -99,7 +100,9 @@ def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
                 # no calls ahead: those in flight are lost with a worker
                 parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
             try:
-                with keeping_memory():
+                with keeping_memory(), warnings.catch_warnings():
+                    # joblib replaces a worker that has grown, as by loading an engine, and finds that odd
+                    warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")
                     for index, rows in parallel(calls(left, started)):
                         yield left.pop(index), rows
             except TerminatedWorkerError:

@@ -57,9 +57,9 @@ def _root(
     Example: wm3d embed bunny marked.ply --key key.json
     """
     if version:
-        from importlib.metadata import version as installed
+        from wm3d import __version__
 
-        typer.echo(f"wm3d {installed('wm3d')}")
+        typer.echo(f"wm3d {__version__}")
     elif context.invoked_subcommand is None:
         typer.echo(context.get_help())
 

@@ -1,13 +1,12 @@
 """`wm3d compare`: how much one mesh differs from another."""
 
-import json
 import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from wm3d.cli.options import SourceMesh, read_mesh
-from wm3d.cli.table import print_table
+from wm3d.cli.options import AsJson, SourceMesh, read_mesh
+from wm3d.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
     from wm3d.metrics import Measurement
@@ -17,7 +16,7 @@ def compare(
     original: SourceMesh,
     other: Annotated[str, typer.Argument(metavar="OTHER", help="The mesh that is compared with it.")],
     *,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Measure how much a mesh differs from the original.
 
@@ -34,7 +33,7 @@ def compare(
 
     measurements = measure(read_mesh(original), read_mesh(other))
     if as_json:
-        typer.echo(json.dumps(_fields(original, other, measurements), allow_nan=False))
+        print_json(_fields(original, other, measurements))
     else:
         print_table(("METRIC", "VALUE"), [(one.name, _text(one)) for one in measurements])
 

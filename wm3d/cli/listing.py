@@ -3,13 +3,17 @@
 import inspect
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin
 
 import typer
 
-from wm3d.cli.table import print_table
+from wm3d.cli.options import AsJson
+from wm3d.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
     from wm3d.component import Component
 
 Kind = Literal["schemes", "attacks", "imagemarks", "detectors", "metrics", "poses"]
@@ -22,43 +26,47 @@ def list_components(
         Kind,
         typer.Argument(metavar="KIND", help="schemes, attacks, imagemarks, detectors, metrics or poses."),
     ],
+    *,
+    as_json: AsJson = False,
 ) -> None:
     """List what configs and commands can name.
 
     A line holds the name, the parameters with their defaults, and what it is. Where a parameter is one of a
     few words, the default stands first. A metric has its unit and what it needs instead.
 
+    The objects of --json have the fields name, parameters (an object of their defaults) and about; those of
+    metrics name, unit, same_vertices and about.
+
     Example: wm3d list attacks
     """
-    if kind == "metrics":
-        from wm3d.metrics import METRICS
-
-        metrics = [
-            (
-                name,
-                metric.unit.replace("_", " "),
-                "same vertices" if metric.same_vertices else "",
-                _summary(metric.function),
-            )
-            for name, metric in METRICS.items()
-        ]
-        print_table(("NAME", "UNIT", "NEEDS", "WHAT IT IS"), metrics)
-        return
-    rows = [(name, _parameters(cls), _summary(cls)) for name, cls in _components(kind).items()]
-    print_table(("NAME", "PARAMETERS", "WHAT IT IS"), rows)
+    listed = _metrics() if kind == "metrics" else _listed(kind)
+    if as_json:
+        print_json(listed)
+    elif kind == "metrics":
+        print_table(("NAME", "UNIT", "NEEDS", "WHAT IT IS"), map(_metric_line, listed))
+    else:
+        classes = _components(kind)
+        lines = [(one["name"], _parameters(classes[one["name"]]), one["about"]) for one in listed]
+        print_table(("NAME", "PARAMETERS", "WHAT IT IS"), lines)
 
 
 @data.command("list")
-def data_list() -> None:
+def data_list(*, as_json: AsJson = False) -> None:
     """List the named meshes.
 
     A line holds the name, the size where it is known, whether the mesh is on this machine, and its source.
+
+    The objects of --json have the fields name, source, vertices, faces, available, credit and terms; null
+    where nothing is known.
 
     Mesh files in the folder that the environment variable WM3D_DATA names are listed by their name without
     ending, and win over entries of the same name.
     """
     from wm3d.mesh import datasets
 
+    if as_json:
+        print_json([asdict(info) for info in datasets.info()])
+        return
     rows = [
         (
             info.name,
@@ -118,19 +126,59 @@ def _components(kind: str) -> "Mapping[str, type[Component]]":
     return tables[kind]
 
 
+def _listed(kind: str) -> list[dict[str, Any]]:
+    return [
+        {"name": name, "parameters": _defaults(cls), "about": _summary(cls)}
+        for name, cls in _components(kind).items()
+    ]
+
+
+def _metrics() -> list[dict[str, Any]]:
+    from wm3d.metrics import METRICS
+
+    return [
+        {
+            "name": name,
+            "unit": metric.unit,
+            "same_vertices": metric.same_vertices,
+            "about": _summary(metric.function),
+        }
+        for name, metric in METRICS.items()
+    ]
+
+
+def _metric_line(metric: dict[str, Any]) -> tuple[str, str, str, str]:
+    needs = "same vertices" if metric["same_vertices"] else ""
+    return metric["name"], metric["unit"].replace("_", " "), needs, metric["about"]
+
+
 def _summary(documented: object) -> str:
     return (inspect.getdoc(documented) or "").partition("\n")[0]
+
+
+def _defaults(cls: "type[Component]") -> dict[str, Any]:
+    """Return the defaults as JSON knows them, null where a parameter must be given."""
+    from pydantic_core import to_jsonable_python
+
+    return {
+        name: None if field.is_required() else to_jsonable_python(field.default)
+        for name, field in _settable(cls).items()
+    }
+
+
+def _settable(cls: "type[Component]") -> "dict[str, FieldInfo]":
+    """Return the parameters but those that `embed` finds out, which a label does not tell either."""
+    return {name: field for name, field in cls.model_fields.items() if name != "name" and field.repr}
 
 
 def _parameters(cls: "type[Component]") -> str:
     """Write name=default for each parameter, and the other words where only some are allowed."""
     texts = []
-    for name, field in cls.model_fields.items():
-        if name != "name":
-            default = "?" if field.is_required() else _text(field.default)
-            words = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
-            others = [f"|{word}" for word in words if str(word) != default]
-            texts.append(f"{name}={default}" + "".join(others))
+    for name, field in _settable(cls).items():
+        default = "?" if field.is_required() else _text(field.default)
+        words = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
+        others = [f"|{word}" for word in words if str(word) != default]
+        texts.append(f"{name}={default}" + "".join(others))
     return " ".join(texts)
 
 

@@ -1,13 +1,13 @@
 """`wm3d embed` and `wm3d detect`: mark one mesh, and look for a mark in one mesh."""
 
-import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wm3d.cli.options import (
+    AsJson,
     Late,
     Parameters,
     SourceMesh,
@@ -18,6 +18,7 @@ from wm3d.cli.options import (
     region_corners,
     same_file,
 )
+from wm3d.cli.output import print_json
 from wm3d.errors import Wm3dError
 
 if TYPE_CHECKING:
@@ -73,12 +74,16 @@ def embed(
             show_default="the scheme's",
         ),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Mark a mesh and write its key.
 
     What detection finds in the file as written is printed. Both OUT and KEY.json are written, or neither;
     existing files are replaced. Vertices and faces are kept, colours and textures are not. Detection needs
     the key, and the original only where the scheme is not blind: keep the key, and keep it secret.
+
+    The object of --json has the fields scheme, snr_db, original, marked, key, and those of `wm3d detect`
+    that tell of the file as written: detected, p_value, log10_p, z, statistic, threshold_pf.
 
     Example: wm3d embed bunny marked.ply --key key.json --snr 44
 
@@ -88,7 +93,9 @@ def embed(
     from wm3d.api import embed as mark
     from wm3d.mesh import check_target, decode_mesh, encode_mesh, write_together
     from wm3d.metrics import snr as measured_snr
+    from wm3d.registry import component_name
     from wm3d.schemes import SCHEMES
+    from wm3d.stats import DEFAULT_PF
 
     parameters = assignments(
         pairs or (),
@@ -110,9 +117,15 @@ def embed(
     write_together({target: content, key: its_key.encode()})
 
     compared = written if len(written.vertices) == len(mesh.vertices) else marked  # STL has three a face
-    typer.echo(f"{source} -> {target}: {its_key.scheme.label()}, SNR {measured_snr(mesh, compared):.2f} dB")
-    typer.echo(f"detection in {target}: {_evidence(score)}")
-    typer.echo(f"key: {key}")
+    decibels = measured_snr(mesh, compared)
+    if as_json:
+        files = {"original": source, "marked": str(target), "key": str(key)}
+        scheme = component_name(type(its_key.scheme))
+        print_json({"scheme": scheme, "snr_db": decibels, **files, **_fields(score, DEFAULT_PF)})
+    else:
+        typer.echo(f"{source} -> {target}: {its_key.scheme.label()}, SNR {decibels:.2f} dB")
+        typer.echo(f"detection in {target}: {_evidence(score)}")
+        typer.echo(f"key: {key}")
     if not score.detected():
         typer.echo(
             f"wm3d: {target}: the mark in the written file is too weak to be detected at Pf = "
@@ -137,7 +150,7 @@ def detect(
         str | None,
         typer.Option(metavar="FILE", help="The mesh before it was marked, for a scheme that is not blind."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Look for the mark of a key in a mesh.
 
@@ -160,17 +173,7 @@ def detect(
     score = its_key.score(read_mesh(mesh))
     detected = score.detected(pf)
     if as_json:
-        found = {
-            "detected": detected,
-            "p_value": score.p_value,
-            "log10_p": score.log10_p if math.isfinite(score.log10_p) else None,
-            "z": score.z,
-            "statistic": score.statistic,
-            "threshold_pf": pf,
-            "scheme": component_name(type(its_key.scheme)),
-            "mesh": mesh,
-        }
-        typer.echo(json.dumps(found, allow_nan=False))
+        print_json({**_fields(score, pf), "scheme": component_name(type(its_key.scheme)), "mesh": mesh})
     else:
         verdict = "carries the mark" if detected else "shows no mark"
         typer.echo(f"{mesh} {verdict} of {key} at Pf = {pf:g}: {_evidence(score)}")
@@ -186,6 +189,18 @@ def detect(
                 err=True,
             )
         raise typer.Exit(1)
+
+
+def _fields(score: "Score", pf: float) -> dict[str, Any]:
+    """Return what JSON tells of a score; log10 p of a key that no random one can equal is null."""
+    return {
+        "detected": score.detected(pf),
+        "p_value": score.p_value,
+        "log10_p": score.log10_p if math.isfinite(score.log10_p) else None,
+        "z": score.z,
+        "statistic": score.statistic,
+        "threshold_pf": pf,
+    }
 
 
 def _evidence(score: "Score") -> str:

@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wm3d.cli.options import Late, Parameters, SourceMesh, assignments, grid_size, keep_original, read_mesh
+from wm3d.cli.options import (
+    AsJson,
+    Late,
+    Parameters,
+    SourceMesh,
+    assignments,
+    grid_size,
+    keep_original,
+    read_mesh,
+)
+from wm3d.cli.output import print_json
 from wm3d.errors import Wm3dError
 
 if TYPE_CHECKING:
@@ -34,10 +44,14 @@ def attack(
     pairs: Parameters = None,
     *,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the attack's random draws.")] = 0,
+    as_json: AsJson = False,
 ) -> None:
     """Attack a mesh as experiments do.
 
     The same seed gives the same mesh.
+
+    The object of --json has the fields attack, seed, original, attacked, vertices, faces (each before and
+    after), and sigma_percent, of noise: its standard deviation per axis in percent of the diagonal.
 
     Example: wm3d attack marked.ply noisy.ply gaussian-noise percent=0.6
 
@@ -58,11 +72,18 @@ def attack(
     content = encode_mesh(attacked, target)
     write_whole(target, content)
     written = decode_mesh(content, target)  # STL has three vertices a face
+    vertices = len(mesh.vertices), len(written.vertices)
+    faces = len(mesh.faces), len(written.faces)
+    sigma = chosen.sigma_percent(mesh) if isinstance(chosen, Noise) else None
+    if as_json:
+        what = {"attack": chosen.label(), "seed": seed, "original": source, "attacked": str(target)}
+        print_json({**what, "vertices": vertices, "faces": faces, "sigma_percent": sigma})
+        return
     typer.echo(f"{source} -> {target}: {chosen.label()}")
-    typer.echo(f"vertices {len(mesh.vertices)} -> {len(written.vertices)}")
-    typer.echo(f"faces    {len(mesh.faces)} -> {len(written.faces)}")
-    if isinstance(chosen, Noise):
-        typer.echo(f"sigma per axis: {chosen.sigma_percent(mesh):.4g} % of the diagonal of the bounding box")
+    typer.echo("vertices {} -> {}".format(*vertices))
+    typer.echo("faces    {} -> {}".format(*faces))
+    if sigma is not None:
+        typer.echo(f"sigma per axis: {sigma:.4g} % of the diagonal of the bounding box")
 
 
 def scan(

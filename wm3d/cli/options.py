@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from wm3d.cli.compiling import tell_of_compiling
 from wm3d.errors import Wm3dError, shortened
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ Parameters = Annotated[
     list[str] | None,
     typer.Argument(metavar="PARAM=VALUE", help="Parameters; `wm3d list` shows them.", show_default=False),
 ]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, on one line.")]
 
 
 class Late:
@@ -42,6 +44,7 @@ def read_mesh(argument: str) -> "Mesh":
     """Return the mesh of a file or a dataset, named as the user named it, for the messages."""
     from wm3d.mesh import datasets
 
+    tell_of_compiling()
     return replace(datasets.resolve(argument), name=argument)
 
 
@@ -109,6 +112,12 @@ def assignments(pairs: Sequence[str], **options: Any) -> dict[str, Any]:
     parameters = {name: value for name, value in options.items() if value is not None}
     for pair in pairs:
         name, equals, text = pair.partition("=")
+        if equals and "." in name:
+            whole, _, part = name.partition(".")
+            raise Wm3dError(
+                f"{pair}: a parameter with parameters of its own is given as a whole, such as "
+                f"'{whole}={{name: ..., {part}: {text}}}'."
+            )
         if not (equals and name.isidentifier()) or name == "name":
             raise Wm3dError(f"{pair}: a parameter must have the form param=value, such as percent=0.6.")
         if name in parameters:

@@ -75,13 +75,16 @@ def save_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     Wm3dError
-        If the ending is unknown, the folder is missing or not writable, or float32 would spoil the mesh.
+        If `mesh` is no `Mesh`, the ending is unknown, the folder is missing or not writable, or float32
+        would spoil the mesh.
     """
     write_whole(path, encode_mesh(mesh, path))
 
 
 def encode_mesh(mesh: Mesh, path: str | os.PathLike[str]) -> bytes:
     """Return the content that `save_mesh` would write to a file of this path; errors alike."""
+    if not isinstance(mesh, Mesh):
+        raise Wm3dError(f"the mesh is a {type(mesh).__name__}, not a wm3d.Mesh; the order is mesh, path.")
     writer = WRITERS[_ending(path)]
     try:
         with _quiet():

@@ -42,7 +42,7 @@ class Ohbuchi2002(Scheme):
 
     modes: Annotated[int, Field(ge=1, le=1000)] = 100
     alpha: Annotated[float, Field(gt=0)] = 0.05
-    original: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = ""
+    original: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$", repr=False)] = ""
 
     _mesh: Mesh | None = PrivateAttr(default=None)
 

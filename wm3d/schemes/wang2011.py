@@ -55,7 +55,7 @@ class Wang2011(Scheme):
     grid: tuple[Rows, Sectors] = (11, 8)
     step: Annotated[float, Field(gt=0)] = 0.1
     costa: Annotated[float, Field(gt=0, le=1)] = 0.9
-    patches: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    patches: Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(repr=False)] = ()
 
     @model_validator(mode="after")
     def _patches_of_the_grid(self) -> Self:

@@ -1,12 +1,19 @@
-"""Tables on the terminal, and for other programs."""
+"""What commands print: tables for a terminal or other programs, and JSON."""
 
+import json
 import sys
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import typer
 
 UNBOUNDED = 10_000
 """Columns of output that is not a terminal: lines are not wrapped."""
+
+
+def print_json(content: Any) -> None:
+    """Print one line of JSON, which knows neither NaN nor infinity."""
+    typer.echo(json.dumps(content, allow_nan=False))
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
