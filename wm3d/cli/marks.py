@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -22,6 +22,7 @@ from wm3d.cli.output import print_json
 from wm3d.errors import Wm3dError
 
 if TYPE_CHECKING:
+    from wm3d.schemes import Scheme
     from wm3d.stats import Score
 
 
@@ -93,9 +94,7 @@ def embed(
     from wm3d.api import embed as mark
     from wm3d.mesh import check_target, decode_mesh, encode_mesh, write_together
     from wm3d.metrics import snr as measured_snr
-    from wm3d.registry import component_name
     from wm3d.schemes import SCHEMES
-    from wm3d.stats import DEFAULT_PF
 
     parameters = assignments(
         pairs or (),
@@ -117,21 +116,38 @@ def embed(
     write_together({target: content, key: its_key.encode()})
 
     compared = written if len(written.vertices) == len(mesh.vertices) else marked  # STL has three a face
-    decibels = measured_snr(mesh, compared)
-    if as_json:
-        files = {"original": source, "marked": str(target), "key": str(key)}
-        scheme = component_name(type(its_key.scheme))
-        print_json({"scheme": scheme, "snr_db": decibels, **files, **_fields(score, DEFAULT_PF)})
-    else:
-        typer.echo(f"{source} -> {target}: {its_key.scheme.label()}, SNR {decibels:.2f} dB")
-        typer.echo(f"detection in {target}: {_evidence(score)}")
-        typer.echo(f"key: {key}")
-    if not score.detected():
-        typer.echo(
-            f"wm3d: {target}: the mark in the written file is too weak to be detected at Pf = "
-            f"{_default_pf()}; choose another strength or region.",
-            err=True,
-        )
+    told = _MarkedFiles(source, target, key, its_key.scheme, measured_snr(mesh, compared), score)
+    told.print(as_json=as_json)
+
+
+class _MarkedFiles(NamedTuple):
+    """What `embed` tells of the files that it wrote."""
+
+    source: str
+    target: Path
+    key: Path
+    scheme: "Scheme"
+    decibels: float
+    score: "Score"
+
+    def print(self, *, as_json: bool) -> None:
+        from wm3d.registry import component_name
+        from wm3d.stats import DEFAULT_PF
+
+        if as_json:
+            scheme = {"scheme": component_name(type(self.scheme)), "snr_db": self.decibels}
+            files = {"original": self.source, "marked": str(self.target), "key": str(self.key)}
+            print_json({**scheme, **files, **_fields(self.score, DEFAULT_PF)})
+        else:
+            typer.echo(f"{self.source} -> {self.target}: {self.scheme.label()}, SNR {self.decibels:.2f} dB")
+            typer.echo(f"detection in {self.target}: {_evidence(self.score)}")
+            typer.echo(f"key: {self.key}")
+        if not self.score.detected():
+            typer.echo(
+                f"wm3d: {self.target}: the mark in the written file is too weak to be detected at Pf = "
+                f"{_default_pf()}; choose another strength or region.",
+                err=True,
+            )
 
 
 def detect(
