@@ -81,6 +81,13 @@ def rotation(seed: int) -> FloatArray:
     return q if np.linalg.det(q) > 0 else -q
 
 
+def together(*meshes: Mesh) -> Mesh:
+    """Return meshes as the parts of one."""
+    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
+    return Mesh(np.vstack([mesh.vertices for mesh in meshes]), np.vstack(faces))
+
+
 def inside_out(mesh: Mesh) -> Mesh:
     """Return the same surface with every face wound the other way."""
     return Mesh(mesh.vertices, mesh.faces[:, ::-1], name=mesh.name)

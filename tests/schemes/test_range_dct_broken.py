@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from plain import plain_z
-from shapes import blob, fine_box
+from shapes import blob, fine_box, icosphere, inside_out, together
 
 from wm3d.attacks import (
     Attack,
@@ -15,7 +15,7 @@ from wm3d.attacks import (
     RoundTrip,
     Similarity,
 )
-from wm3d.mesh import Mesh
+from wm3d.mesh import Mesh, signed_volume
 from wm3d.schemes import SCHEMES
 
 SCHEME = SCHEMES.build("range-dct", {})
@@ -51,6 +51,19 @@ def test_an_original_whose_winding_says_nothing_is_marked_as_well(evidence):
     marked, scheme = SCHEME.embed(flipped, 1)
     np.testing.assert_array_equal(marked.faces, flipped.faces)
     assert scheme.score(marked, 1).z == pytest.approx(evidence.score(scheme.signs(1)).z, rel=0.05)
+
+
+def beside_a_ball_wound_inwards(mesh: Mesh) -> Mesh:
+    """Return the mesh and a ball as large, wound the other way: the two volumes nearly cancel."""
+    ball = inside_out(icosphere(4, np.cbrt(signed_volume(mesh) / signed_volume(icosphere(4)))))
+    return together(mesh, ball.with_vertices(ball.vertices + 1.2 * mesh.diagonal))
+
+
+def test_objects_wound_against_each_other_are_marked_and_read(embedded):
+    marked, scheme = SCHEME.embed(beside_a_ball_wound_inwards(MESH), 1)
+    assert scheme.score(marked, 1).detected()
+    marked, scheme = embedded
+    assert plain_z(scheme, beside_a_ball_wound_inwards(marked), 1) > 0.9 * plain_z(scheme, marked, 1)
 
 
 def test_mark_of_a_symmetric_mesh_is_found_from_any_side():

@@ -64,11 +64,18 @@ def signed_volume(vertices: FloatArray, faces: IntArray, apex: FloatArray) -> fl
     """Sum over the faces of the signed volume of the tetrahedron (apex, a, b, c)."""
     total = 0.0
     for f in range(faces.shape[0]):
-        a = _relative(vertices, faces[f, 0], apex)
-        b = _relative(vertices, faces[f, 1], apex)
-        c = _relative(vertices, faces[f, 2], apex)
-        total += _determinant(a, b, c)
+        total += cone(vertices, faces, f, apex)
     return total / 6.0
+
+
+@njit(cache=True)
+def cone(vertices: FloatArray, faces: IntArray, f: int, apex: FloatArray) -> float:
+    """Return six times the signed volume of the tetrahedron (apex, a, b, c) of one face."""
+    a = _relative(vertices, faces[f, 0], apex)
+    b = _relative(vertices, faces[f, 1], apex)
+    c = _relative(vertices, faces[f, 2], apex)
+    six_volumes: float = _determinant(a, b, c)
+    return six_volumes
 
 
 @njit(cache=True)
@@ -149,7 +156,7 @@ def edge_sum(faces: IntArray) -> np.uint64:
     total = np.uint64(0)
     for f in range(faces.shape[0]):
         a, b, c = np.uint64(faces[f, 0]), np.uint64(faces[f, 1]), np.uint64(faces[f, 2])
-        total += _directed(a, b) + _directed(b, c) + _directed(c, a)
+        total += directed(a, b) + directed(b, c) + directed(c, a)
     return total
 
 
@@ -279,7 +286,7 @@ def mixed(key: np.uint64) -> np.uint64:
 
 
 @njit(cache=True)
-def _directed(a: np.uint64, b: np.uint64) -> np.uint64:
+def directed(a: np.uint64, b: np.uint64) -> np.uint64:
     """Hash the edge from a to b; from b to a it is the negative."""
     key = mixed((min(a, b) << np.uint64(32)) + max(a, b) + np.uint64(0x9E3779B97F4A7C15))
     return key if a < b else np.uint64(0) - key if a > b else np.uint64(0)

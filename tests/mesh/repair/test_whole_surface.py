@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.spatial import KDTree
-from shapes import blob, box, soup
+from shapes import blob, box, soup, together
 
 from wm3d.attacks import DropFaces, FlipFaces, HalfSpaceCrop, Reorder, RepeatFaces
 from wm3d.mesh import Mesh, is_balanced, is_closed, signed_volume, surface_area, whole_surface
@@ -16,12 +16,6 @@ BLOB = blob(1, 4)
 
 def rng() -> np.random.Generator:
     return np.random.default_rng(7)
-
-
-def together(*meshes: Mesh) -> Mesh:
-    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
-    faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
-    return Mesh(np.vstack([mesh.vertices for mesh in meshes]), np.vstack(faces))
 
 
 @pytest.mark.parametrize(

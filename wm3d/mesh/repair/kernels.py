@@ -1,11 +1,11 @@
-"""Numba kernels of the repair: what tells faces apart, and the triangles that cover holes."""
+"""Numba kernels of the repair: what tells faces and parts apart, and the triangles that cover holes."""
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from wm3d.arrays import FloatArray, IntArray
-from wm3d.mesh.kernels import mixed
+from wm3d.mesh.kernels import cone, directed, mixed
 
 
 @njit(cache=True)
@@ -29,6 +29,66 @@ def face_keys(marks: NDArray[np.uint64], faces: IntArray) -> IntArray:
         else:
             keys[f] = mixed(mixed(a) + mixed(b) + mixed(c))
     return keys.view(np.int64)
+
+
+@njit(cache=True)
+def face_parts(vertices: int, faces: IntArray) -> tuple[IntArray, int]:
+    """Give each face the number of its part, which hangs together by vertices: (m,), and how many there are.
+
+    Parameters
+    ----------
+    vertices : int
+        How many the faces are numbered among.
+    faces : (m, 3) ndarray
+    """
+    above = np.arange(vertices)
+    for f in range(faces.shape[0]):
+        root = _root(above, faces[f, 0])
+        for t in range(1, 3):
+            other = _root(above, faces[f, t])
+            above[max(root, other)] = root = min(root, other)
+    number, part, parts = np.full(vertices, -1), np.empty(faces.shape[0], np.int64), 0
+    for f in range(faces.shape[0]):
+        root = _root(above, faces[f, 0])
+        if number[root] < 0:
+            number[root] = parts
+            parts += 1
+        part[f] = number[root]
+    return part, parts
+
+
+@njit(cache=True)
+def _root(above: IntArray, node: int) -> int:
+    while above[node] != node:
+        above[node] = above[above[node]]
+        node = above[node]
+    return node
+
+
+@njit(cache=True)
+def closed_volumes(vertices: FloatArray, faces: IntArray, part: IntArray, parts: int) -> FloatArray:
+    """Return the signed volume of each part that is closed and wound alike, 0 for the others: (parts,).
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray
+    faces : (m, 3) ndarray
+    part : (m,) ndarray
+    parts : int
+        As `face_parts` returns them.
+    """
+    volumes, edges, apex = np.zeros(parts), np.zeros(parts, np.uint64), np.full(parts, -1)
+    for f in range(faces.shape[0]):
+        k = part[f]
+        if apex[k] < 0:
+            apex[k] = faces[f, 0]
+        volumes[k] += cone(vertices, faces, f, vertices[apex[k]]) / 6.0
+        a, b, c = np.uint64(faces[f, 0]), np.uint64(faces[f, 1]), np.uint64(faces[f, 2])
+        edges[k] += directed(a, b) + directed(b, c) + directed(c, a)  # as `wm3d.mesh.kernels.edge_sum`
+    for k in range(parts):
+        if edges[k] != 0:
+            volumes[k] = 0.0
+    return volumes
 
 
 @njit(cache=True)

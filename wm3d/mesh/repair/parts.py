@@ -1,0 +1,53 @@
+"""Closed parts of a mesh, as objects beside each other: which of them are wound against the largest."""
+
+import numpy as np
+
+from wm3d.arrays import FloatArray, IntArray
+from wm3d.mesh.repair.kernels import closed_volumes, face_parts
+
+SPLINTER = 0.01
+"""Share of the largest part's volume below which a part stays as it is: no moment feels it."""
+
+
+def part_turns(vertices: FloatArray, faces: IntArray) -> IntArray:
+    """Return 1 for faces that stay as they are, −1 for those of parts that must be turned over: (m,).
+
+    The volumes of parts wound against each other, as a file put together of several may hold, would cancel.
+    A part that lies in a larger one is a hollow of it or a solid in it, as it was wound, and is turned over
+    with it. Open parts stay.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray
+        In different places.
+    faces : (m, 3) ndarray of int
+    """
+    part, parts = face_parts(len(vertices), faces)
+    turns = np.ones(parts, dtype=np.int64)
+    if parts > 1:
+        volume = closed_volumes(vertices, faces, part, parts)
+        size = np.abs(volume)
+        order = np.argsort(-size, kind="stable")
+        large = order[size[order] > SPLINTER * size[order[0]]]
+        if np.unique(np.sign(volume[large])).size > 1:
+            corner = vertices[faces[np.unique(part, return_index=True)[1], 0]]
+            for i, one in enumerate(large):
+                around = [k for k in large[:i] if _is_inside(corner[one], vertices[faces[part == k]])]
+                turns[one] = turns[around[-1]] if around else np.sign(volume[one] * volume[large[0]])
+    turned: IntArray = turns[part]
+    return turned
+
+
+def _is_inside(point: FloatArray, corners: FloatArray) -> bool:
+    """Tell whether a point (3,) lies in the solid that triangles (m, 3, 3) bound, however they are wound.
+
+    By the sum of the solid angles that they span (van Oosterom and Strackee 1983), ±4π inside and 0 outside.
+    """
+    a, b, c = (corners - point).transpose(1, 0, 2)
+    length_a, length_b, length_c = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+    volume = np.einsum("fi,fi->f", a, np.cross(b, c))
+    ab, bc, ca = (np.einsum("fi,fi->f", one, other) for one, other in ((a, b), (b, c), (c, a)))
+    angles = np.arctan2(
+        volume, length_a * length_b * length_c + ab * length_c + bc * length_a + ca * length_b
+    )
+    return bool(abs(2 * angles.sum()) > 2 * np.pi)
