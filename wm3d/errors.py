@@ -31,5 +31,10 @@ class Wm3dError(ValueError):
     """
 
 
+def in_words(error: Exception) -> str:
+    """Return what an error says, after its kind where it is not `Wm3dError`, whose text is a sentence."""
+    return str(error) if isinstance(error, Wm3dError) else f"{type(error).__name__}: {error}"
+
+
 class NoSolidError(Wm3dError):
     """The faces of a mesh bound no solid, so it has no moments that could pose it."""

@@ -152,7 +152,7 @@ def test_nulls_that_follow_the_key_null_are_told_from_those_that_do_not():
     table = nulls(rows).set_index("attack")
     assert list(table.index) == ["exact", "shifted", "wide", "unread"]
     assert table["verdict"]["exact"] == "follows the key null: KS p = 1, 5 of 500 p ≤ 0.01"
-    assert table["verdict"]["shifted"].startswith("departs from the key null: p is not uniform (KS p = ")
+    assert table["verdict"]["shifted"].startswith("departs from the key null: p is too small (KS p = ")
     assert table["verdict"]["wide"].endswith(" of 500 p ≤ 0.01")
     assert table["pf_0.01"].isna().all()  # from 1000 trials on
     assert "departs" in table["verdict"]["wide"]

@@ -189,9 +189,15 @@ def test_a_key_that_a_mesh_cannot_carry_is_not_detected_and_tried_only_once(monk
         return embed(scheme, mesh, seed)
 
     monkeypatch.setattr(Song2002, "embed", refusing)
-    for frame in rows(cell(Clean(), wrong_keys=1), cell(GaussianNoise(percent=0.1), wrong_keys=1)):
+    noise = GaussianNoise(percent=0.1)
+    *marked, unmarked = rows(
+        cell(Clean(), wrong_keys=1), cell(noise, wrong_keys=1), cell(noise, "H0-unmarked")
+    )
+    assert list(unmarked["trial"]) == [0, 2]  # the second key is none
+    for frame in marked:
         scores = frame[frame["hypothesis"] == "H1"]
         assert scores["error"].tolist() == ["", "not marked: one: too faint.", ""]
+        assert scores["embed_seconds"].isna().tolist() == [False, True, False]
         assert scores["log10_p"].iloc[1] == 0.0 > scores["log10_p"].iloc[[0, 2]].max()
         assert (frame["hypothesis"] == "H0-wrong-key").sum() == 2
     assert len(tried) == 3

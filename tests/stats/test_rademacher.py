@@ -22,6 +22,7 @@ def test_the_p_value_of_the_best_of_several_counts_them_all(seed):
     weights, key = np.linspace(1, 3, 40), key_signs(seed, 40)
     alone, best = (RademacherSum(0.0, weights, tries).score(key) for tries in (1, 24))
     assert best.z == alone.z
+    assert best.null.log10_p([best.z, 9.0]).tolist() == [best.log10_p, best.null.log10_p(9.0)]
     assert best.p_value == pytest.approx(min(1.0, 24 * alone.p_value))
     assert best.null.log10_p_least == pytest.approx(alone.null.log10_p_least + np.log10(24))
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from wm3d.bench.plan import CALIBRATION_DB, CalibrationCell, uncalibrated
 from wm3d.bench.seeds import derived_seed
-from wm3d.errors import Wm3dError
+from wm3d.errors import in_words
 from wm3d.mesh import Mesh
 
 
@@ -40,12 +40,6 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> tuple[dict[str, Any], 
         "parameter": scheme.strength,
         "strength": strength,
         "seconds": time.perf_counter() - start,
-        "error": _words(met),
+        "error": "" if met is None else in_words(met),
     }
     return row, met
-
-
-def _words(error: Exception | None) -> str:
-    if error is None:
-        return ""
-    return str(error) if isinstance(error, Wm3dError) else f"{type(error).__name__}: {error}"

@@ -116,9 +116,13 @@ def _timed(trial: TrialCell, meshes: Mapping[str, Mesh]) -> Cost:
     if trial.digest not in rows:
         return Cost(0.0, 0.0, total, "not enough memory")
     row = rows[trial.digest].iloc[0]
-    embed, attack = float(row["embed_seconds"]), float(row["attack_seconds"])
+    embed, attack = np.nan_to_num(
+        [row["embed_seconds"], row["attack_seconds"]]
+    )  # NaN where it never came to it
     failed = bool(np.isnan(row["log10_p"]))
-    return Cost(embed, attack, total - embed - attack, str(row["error"]) if failed else "")
+    return Cost(
+        float(embed), float(attack), float(total - embed - attack), str(row["error"]) if failed else ""
+    )
 
 
 def seconds(todo: Iterable[Task], costs: Mapping[Setting, Cost]) -> float:

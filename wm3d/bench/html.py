@@ -130,6 +130,7 @@ def _leaderboard(tables: Mapping[str, pd.DataFrame]) -> HtmlTable | None:
 def _stages(timing: pd.DataFrame) -> list[dict[str, Any]]:
     """Lines of the bar chart of times: seconds of each stage, and their share of the longest line."""
     stages = [str(column) for column in timing.columns if str(column).endswith("_seconds")]
+    timing = timing.fillna(dict.fromkeys(stages, 0.0))  # of trials that were refused
     longest = timing[stages].sum(axis=1).max() or 1.0  # nothing took time where every mesh was refused
     short = shortener(pd.Series([longest]))
     telling = [key for key in CELL_KEYS if key == "attack" or timing[key].nunique() > 1]

@@ -43,7 +43,8 @@ TITLES = {
     "nulls": (
         "Null",
         "Scores without the mark against the exact key null: z should have mean 0 and variance 1, and p "
-        "should be uniform (Kolmogorov–Smirnov). The verdict holds all lines together to 1 %.",
+        "should nowhere be below uniform (one-sided Kolmogorov–Smirnov). The verdict holds all lines "
+        "together to 1 %.",
     ),
     "false_alarms": (
         "False alarms",

@@ -12,7 +12,7 @@ from wm3d.bench.columns import COLUMNS, TRY_AGAIN
 from wm3d.bench.plan import CalibrationCell, Cell, FalseAlarmCell, Task, TrialCell
 from wm3d.bench.seeds import derived_seed
 from wm3d.bench.subjects import NotMarkedError, Subjects
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, in_words
 from wm3d.mesh import Mesh
 from wm3d.schemes import Scheme
 from wm3d.stats import RademacherSum, hadamard_keys, log10_tail
@@ -96,8 +96,7 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
         "hypothesis": cell.hypothesis,
         "subject": cell.subject[0],
         "trial": trial,
-        **dict.fromkeys((*_MEASURED, *_ONCE), float("nan")),
-        **dict.fromkeys(_SECONDS, 0.0),
+        **dict.fromkeys((*_MEASURED, *_ONCE, *_SECONDS), float("nan")),
         "faces_out": 0,
         "error": "",
     }
@@ -113,12 +112,12 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
     except MemoryError:
         raise
     except NotMarkedError as refusal:
-        row["error"] = str(refusal)
-        if cell.hypothesis == "H1":
-            row |= _LOST | ({"bit_error_rate": 0.5} if cell.scheme.message else {})
-        return [row], refusal
+        if cell.hypothesis != "H1":
+            return [], refusal  # there is no such key; H1 rows say so
+        row |= _LOST | ({"bit_error_rate": 0.5} if cell.scheme.message else {})
+        return [row | {"error": str(refusal)}], refusal
     except Exception as error:  # whatever an engine raises fails this trial, not the run; the row says it
-        return [row | {"error": f"{type(error).__name__}: {error}"}], error
+        return [row | {"error": in_words(error)}], error
     row |= {
         "statistic": score.statistic,
         "z": score.z,
@@ -154,7 +153,7 @@ def _wrong_key_rows(cell: TrialCell, row: Row, scheme: Scheme, evidence: Rademac
             "z": z[i],
             "log10_p": log10_p,
         }
-        for i, log10_p in enumerate(log10_tail(evidence.b, z))
+        for i, log10_p in enumerate(evidence.log10_p(z))
     ]
 
 

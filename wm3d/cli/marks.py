@@ -84,7 +84,8 @@ def embed(
     the key, and the original only where the scheme is not blind: keep the key, and keep it secret.
 
     The object of --json has the fields scheme, snr_db, original, marked, key, and those of `wm3d detect`
-    that tell of the file as written: detected, p_value, log10_p, z, statistic, threshold_pf.
+    that tell of the file as written: detected, p_value, log10_p, z, statistic, threshold_pf. An infinite SNR,
+    where the format rounds the mark away, is null.
 
     Example: wm3d embed bunny marked.ply --key key.json --snr 44
 
@@ -135,7 +136,7 @@ class _MarkedFiles(NamedTuple):
         from wm3d.stats import DEFAULT_PF
 
         if as_json:
-            scheme = {"scheme": component_name(type(self.scheme)), "snr_db": self.decibels}
+            scheme = {"scheme": component_name(type(self.scheme)), "snr_db": _finite(self.decibels)}
             files = {"original": self.source, "marked": str(self.target), "key": str(self.key)}
             print_json({**scheme, **files, **_fields(self.score, DEFAULT_PF)})
         else:
@@ -212,11 +213,15 @@ def _fields(score: "Score", pf: float) -> dict[str, Any]:
     return {
         "detected": score.detected(pf),
         "p_value": score.p_value,
-        "log10_p": score.log10_p if math.isfinite(score.log10_p) else None,
+        "log10_p": _finite(score.log10_p),
         "z": score.z,
         "statistic": score.statistic,
         "threshold_pf": pf,
     }
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
 
 
 def _evidence(score: "Score") -> str:

@@ -31,7 +31,7 @@ class RademacherSum:
     Parameters
     ----------
     offset : float
-        The part that does not depend on the key (Σ a_k of PAPER's log-likelihood ratio).
+        The part that does not depend on the key (Σ a_k of the paper's log-likelihood ratio).
     b : (n,) array_like of float
         Weight of each key sign; zero where a coefficient is not read. Copied and made read-only.
     tries : int
@@ -64,7 +64,7 @@ class RademacherSum:
     def log10_p_least(self) -> float:
         """Log10 of the least p-value that any key can reach: one key among 2^(nonzero weights)."""
         reach = float(np.abs(self.b).sum())
-        return self._log10_p(reach / self.scale) if self.scale > 0 else 0.0
+        return float(self.log10_p(reach / self.scale)) if self.scale > 0 else 0.0
 
     @property
     def decoded(self) -> SignArray:
@@ -96,10 +96,12 @@ class RademacherSum:
         """
         total = float(self.b @ self._checked(signs))
         z = total / self.scale if self.scale > 0 else 0.0
-        return Score(self.offset + total, z, self._log10_p(z), self)
+        return Score(self.offset + total, z, float(self.log10_p(z)), self)
 
-    def _log10_p(self, z: float) -> float:
-        return min(0.0, log10_tail(self.b, z) + math.log10(self.tries))
+    def log10_p(self, z: ArrayLike) -> FloatArray:
+        """Return the log10 of the p-value of each z, times `tries`; the shape of `z`."""
+        tail = log10_tail(self.b, np.asarray(z, dtype=np.float64))
+        return np.minimum(0.0, tail + math.log10(self.tries))
 
     def _checked(self, signs: ArrayLike) -> FloatArray:
         w = np.asarray(signs, dtype=np.float64)
