@@ -10,6 +10,7 @@ is `experiments/ablation.py`, other models are those of
 
 import argparse
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,9 @@ THRESHOLD = {pf: float(norm.isf(pf)) for pf in (1e-6, 1e-12)}
 COUNTED_AT = (2.0, 3.0, 4.0)
 """z at which counted and exact false alarms stand side by side."""
 
+CELL = ("mesh", "scheme", "attack")
+"""Columns that name a line."""
+
 KEPT = [
     "mesh", "scheme", "attack", "sigma_percent", "trials", "failed", "unreadable", "z_mean", "z_std",
     "d_prime", "d_prime_low", "d_prime_high", "pd_1e-06", "pd_1e-06_low", "pd_1e-06_high",
@@ -92,7 +96,7 @@ def write_results(runs: Path) -> None:
         (RESULTS.path / folder).mkdir(parents=True, exist_ok=True)
     tables = {file.stem: pd.read_csv(file) for file in sorted((RESULTS.path / "tables").glob("*.csv"))}
     for name in CONFIGS:
-        if name != "distortion" and (runs / name / "tables" / "detection.csv").exists():
+        if name not in ("distortion", "nulls") and (runs / name / "tables" / "detection.csv").exists():
             detection = read(runs, name, "detection")
             lines = detection[[column for column in KEPT if column in detection]]
             tables[name] = in_order(best(lines, tables.get(name)), CONFIGS[name])
@@ -102,8 +106,9 @@ def write_results(runs: Path) -> None:
         for against in AXES:
             save(curves(tables["distortion"], against), RESULTS, f"pd_against_{against}")
     if (runs / "nulls" / "tables").exists():
-        tables["nulls"] = read(runs, "nulls", "nulls")
-        tables["random_keys"] = counted(read(runs, "nulls", "false_alarms"))
+        lines, curve = read(runs, "nulls", "nulls"), counted(read(runs, "nulls", "false_alarms"))
+        tables["nulls"] = best(lines, tables.get("nulls"), (*CELL, "hypothesis", "subject"))
+        tables["random_keys"] = best(curve, tables.get("random_keys"), ("mesh", "attack", "z"), count="keys")
     tables |= {name: bounded(tables[name]) for name in CONFIGS if name in tables and name != "nulls"}
     for name in DRAWN:
         shown = drawn(tables, name)
@@ -134,12 +139,13 @@ def versions(runs: Path, name: str) -> dict[str, int]:
     return schemes
 
 
-def best(new: pd.DataFrame, old: pd.DataFrame | None) -> pd.DataFrame:
-    """Return, of lines of the same mesh, scheme and attack, the newest version with the most keys."""
+def best(
+    new: pd.DataFrame, old: pd.DataFrame | None, names: Sequence[str] = CELL, *, count: str = "trials"
+) -> pd.DataFrame:
+    """Return, of lines with the same `names`, the newest version with the most keys, as `count` has them."""
     lines = new if old is None else pd.concat([new, old], ignore_index=True)
-    names = ["mesh", "scheme", "attack"]
-    ranked = lines.sort_values(["version", "trials"], ascending=False, kind="stable")
-    return ranked.drop_duplicates(names).sort_index().reset_index(drop=True)
+    ranked = lines.sort_values(["version", count], ascending=False, kind="stable")
+    return ranked.drop_duplicates(list(names)).sort_index().reset_index(drop=True)
 
 
 def in_order(lines: pd.DataFrame, config: Path) -> pd.DataFrame:
