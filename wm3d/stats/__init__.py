@@ -8,14 +8,10 @@ from wm3d.stats.rademacher import DEFAULT_PF, RademacherSum, Score, key_signs, k
 from wm3d.stats.roc import (
     RocCurve,
     auc,
-    auc_two_sample,
     d_prime,
     eer,
-    eer_two_sample,
     exceedances,
-    gaussian_pd,
     roc,
-    swept_roc,
 )
 from wm3d.stats.saddlepoint import saddlepoint_log10
 from wm3d.stats.tail import hoeffding_log10, log10_tail, z_at
@@ -30,14 +26,11 @@ __all__ = [
     "RocCurve",
     "Score",
     "auc",
-    "auc_two_sample",
     "clopper_pearson",
     "d_prime",
     "eer",
-    "eer_two_sample",
     "exceedances",
     "false_alarm",
-    "gaussian_pd",
     "hadamard_keys",
     "hoeffding_log10",
     "importance_sampling",
@@ -50,7 +43,6 @@ __all__ = [
     "roc",
     "saddlepoint_log10",
     "student_t",
-    "swept_roc",
     "tolerance_bound",
     "z_at",
 ]
