@@ -1,5 +1,6 @@
 """Components: frozen, named bags of parameters that can be called (attacks, schemes, poses, detectors)."""
 
+from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar
 
@@ -56,6 +57,14 @@ class Component(BaseModel):
         dump = self.model_dump(mode="json")
         dump.pop("name", None)
         return dump
+
+    def components(self) -> Iterator["Component"]:
+        """Yield this component and, at any depth, those among its parameters."""
+        yield self
+        for _, value in self:
+            if _is_made_of_components(value):
+                for part in value if isinstance(value, tuple) else (value,):
+                    yield from part.components()
 
     def identity(self) -> dict[str, Any]:
         """Return what the numbers of this component depend on, as plain JSON values.

@@ -92,7 +92,7 @@ def test_a_run_leaves_tables_figures_rows_and_what_it_ran(bunny_run):
     manifest = json.loads((bunny_run / "manifest.json").read_text())
     assert manifest["meshes"]["bunny"]["faces"] == 56172
     assert manifest["lost_trials"] == 0
-    assert manifest["schemes"] == {"song2002": Song2002.version}
+    assert manifest["schemes"] == {"song2002": Song2002.version, "ggd-lrt": 1}  # and the parts of each
     assert manifest["attacks"] == {
         name: ATTACKS[name].version for name in ("clean", "gaussian-noise", "simplify")
     }

@@ -84,7 +84,7 @@ def test_numbers_do_not_depend_on_the_number_of_threads(monkeypatch: pytest.Monk
     original, other = icosphere(3), icosphere(2, 1.1)
     found = []
     for threads in (1, 2):
-        monkeypatch.setattr(distances.config, "NUMBA_NUM_THREADS", threads)
+        monkeypatch.setattr("wm3d.threads.config.NUMBA_NUM_THREADS", threads)
         both_ways.cache_clear()
         found.append(both_ways(original, other))
     assert found[0] == found[1]

@@ -4,6 +4,7 @@ import numpy as np
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.attacks import kernels
+from wm3d.attacks.surface import without_collapsed, without_unused
 
 STEPS = 24
 """Bisection steps for the cell size, which they settle to 6e-8 of the mesh's extent."""
@@ -48,10 +49,7 @@ def cluster(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatAr
     cluster_of[used] = inverse
     count = np.bincount(inverse)
     means = np.column_stack([np.bincount(inverse, vertices[used, k]) / count for k in range(3)])
-    merged = cluster_of[faces]
-    a, b, c = merged.T
-    merged = merged[(a != b) & (b != c) & (c != a)]
+    merged = without_collapsed(cluster_of[faces])
     low, middle, high = np.sort(merged, axis=1).T
     _, first = np.unique((low * len(means) + middle) * len(means) + high, return_index=True)
-    kept, renumbered = np.unique(merged[np.sort(first)], return_inverse=True)
-    return means[kept], renumbered.reshape(-1, 3)
+    return without_unused(means, merged[np.sort(first)])

@@ -3,7 +3,7 @@
 import json
 import platform
 import socket
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import requires, version
 from typing import Any
@@ -13,6 +13,7 @@ from packaging.requirements import Requirement
 from wm3d.attacks import Noise
 from wm3d.bench.config import Experiment
 from wm3d.bench.plan import Cell
+from wm3d.component import Component
 from wm3d.mesh import Mesh, datasets
 from wm3d.registry import component_name
 
@@ -50,8 +51,8 @@ def manifest(
             "python": platform.python_version(),
         },
         "versions": _versions(),
-        "schemes": {component_name(type(cell.scheme)): cell.scheme.version for cell in cells},
-        "attacks": {component_name(type(cell.attack)): cell.attack.version for cell in cells},
+        "schemes": _component_versions(cell.scheme for cell in cells),
+        "attacks": _component_versions(cell.attack for cell in cells),
         "meshes": {name: _mesh_entry(name, mesh) for name, mesh in meshes.items()},
         "sigma_percent": {name: _noise(experiment, mesh) for name, mesh in meshes.items()},
         "lost_trials": lost_trials,
@@ -60,6 +61,11 @@ def manifest(
         "false_alarm_cells": [cell.digest for cell in cells if cell.kind == "false-alarms"],
     }
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+
+
+def _component_versions(components: Iterable[Component]) -> dict[str, int]:
+    """Return the versions of components, and of those among their parameters, by name."""
+    return {component_name(type(part)): part.version for whole in components for part in whole.components()}
 
 
 def _versions() -> dict[str, str]:

@@ -101,7 +101,7 @@ def is_balanced(mesh: Mesh) -> bool:
 def volume_moments(mesh: Mesh) -> VolumeMoments:
     """Return volume, centroid and covariance of the enclosed solid of unit density.
 
-    The integrals run over signed tetrahedra with their apex in the vertex mean. Centroid and covariance are
+    The integrals run over signed tetrahedra with their apex in `Mesh.middle`. Centroid and covariance are
     the same for either winding; holes are closed as in `signed_volume`.
 
     Parameters
@@ -127,9 +127,14 @@ def volume_moments(mesh: Mesh) -> VolumeMoments:
     return VolumeMoments(float(volume), apex + offset, covariance)
 
 
+def is_nothing(mesh: Mesh, volume: float) -> bool:
+    """Tell whether a volume is next to nothing for a mesh of this size."""
+    return abs(volume) <= LEAST_VOLUME * mesh.diagonal**3
+
+
 def check_volume(mesh: Mesh, volume: float) -> None:
     """Raise NoSolidError if a volume is next to nothing for a mesh of this size."""
-    if abs(volume) <= LEAST_VOLUME * mesh.diagonal**3:
+    if is_nothing(mesh, volume):
         raise NoSolidError(
             f"{mesh.name}: its faces enclose no volume, as if all lay in a plane, but only a solid has the "
             "moments that fix its pose."

@@ -2,7 +2,7 @@
 
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, signed_volume
-from wm3d.mesh.moments import LEAST_VOLUME
+from wm3d.mesh.moments import is_nothing
 
 
 def volume_change(original: Mesh, other: Mesh) -> float:
@@ -17,6 +17,6 @@ def volume_change(original: Mesh, other: Mesh) -> float:
         If the original encloses no volume.
     """
     volume = signed_volume(original)
-    if abs(volume) <= LEAST_VOLUME * original.diagonal**3:
+    if is_nothing(original, volume):
         raise Wm3dError(f"{original.name}: its faces enclose no volume, so a change has no measure.")
     return 100 * (signed_volume(other) / volume - 1)

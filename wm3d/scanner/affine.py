@@ -222,12 +222,14 @@ def _starts(here: SolidMoments, goal: SolidMoments, candidates: FloatArray, most
     those that come nearest are turned on, until each is as near as it can come.
     """
 
-    def differences(turns: FloatArray) -> FloatArray:
+    def differences(rotations: FloatArray) -> FloatArray:
         tensors = ((here.third, goal.third), (here.fourth, goal.fourth))
-        return np.hstack([(_turned(one, turns) - aim).reshape(len(turns), -1) for one, aim in tensors])
+        return np.hstack(
+            [(_turned(one, rotations) - aim).reshape(len(rotations), -1) for one, aim in tensors]
+        )
 
-    def ordered(turns: FloatArray) -> FloatArray:
-        ordered: FloatArray = turns[np.argsort((differences(turns) ** 2).sum(axis=1), kind="stable")]
+    def ordered(rotations: FloatArray) -> FloatArray:
+        ordered: FloatArray = rotations[np.argsort((differences(rotations) ** 2).sum(axis=1), kind="stable")]
         return ordered
 
     coarse = ordered(candidates)
@@ -235,28 +237,28 @@ def _starts(here: SolidMoments, goal: SolidMoments, candidates: FloatArray, most
     return finer[apart(finer, APART, most)]
 
 
-def _settled(turns: FloatArray, differences: Callable[[FloatArray], FloatArray]) -> FloatArray:
-    """Turn (k, 3, 3) matrices on to where the sums of the squared differences are least, by Gauss-Newton."""
+def _settled(rotations: FloatArray, differences: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Turn (k, 3, 3) rotations on to where the sums of the squared differences are least, by Gauss-Newton."""
     nudges = Rotation.from_rotvec(NUDGE * np.eye(3)).as_matrix()
     longest = np.radians(FARTHEST_STEP)
     for _ in range(SETTLING):
-        here = differences(turns)
-        slopes = np.stack([(differences(turns @ nudge) - here) / NUDGE for nudge in nudges], axis=1)
+        here = differences(rotations)
+        slopes = np.stack([(differences(rotations @ nudge) - here) / NUDGE for nudge in nudges], axis=1)
         normal = slopes @ slopes.swapaxes(1, 2)
         damping = 1e-9 * np.trace(normal, axis1=1, axis2=2) + np.finfo(float).tiny  # a ball has no slopes
         normal += damping[:, None, None] * np.eye(3)
         step = np.linalg.solve(normal, -slopes @ here[:, :, None])[:, :, 0]
         length = np.linalg.norm(step, axis=1, keepdims=True)
         step *= np.minimum(1, longest / np.maximum(length, longest))
-        turns = turns @ Rotation.from_rotvec(step).as_matrix()
-    return turns
+        rotations = rotations @ Rotation.from_rotvec(step).as_matrix()
+    return rotations
 
 
-def _turned(tensor: FloatArray, turns: FloatArray) -> FloatArray:
+def _turned(tensor: FloatArray, rotations: FloatArray) -> FloatArray:
     """Map all indices of a tensor by each of (k, 3, 3) matrices: (k, 3, ...)."""
-    count, shape = len(turns), tensor.shape
+    count, shape = len(rotations), tensor.shape
     tensors = np.broadcast_to(tensor, (count, *shape))
-    for _ in shape:  # each turn maps the first index and makes it the last
-        mapped = turns @ tensors.reshape(count, 3, -1)
+    for _ in shape:  # each maps the first index and makes it the last
+        mapped = rotations @ tensors.reshape(count, 3, -1)
         tensors = np.moveaxis(mapped.reshape(count, *shape), 1, -1)
     return tensors

@@ -136,7 +136,7 @@ class Scheme(Component, ABC):
         """
 
         def headroom(log_strength: float) -> float:
-            marked, _ = self._of_strength(log_strength).embed(mesh, seed)
+            marked, _ = self._of_log_strength(log_strength).embed(mesh, seed)
             rooms[log_strength] = budget.headroom(budget.measured(mesh, marked))
             return rooms[log_strength]
 
@@ -147,7 +147,7 @@ class Scheme(Component, ABC):
         for _ in range(_STEPS):
             room = headroom(value)
             if abs(room) <= tolerance:
-                return self._of_strength(value)
+                return self._of_log_strength(value)
             if not abs(room) < REACH:  # also NaN, and an SNR of ∞ where no vertex moves
                 break
             bracket[room > 0] = value
@@ -166,14 +166,14 @@ class Scheme(Component, ABC):
         nearest = min(rooms, key=lambda tried: abs(rooms[tried]))
         room = rooms[nearest]
         if abs(room) <= max(tolerance, JUMP):
-            return self._of_strength(nearest)
+            return self._of_log_strength(nearest)
         way = f"; the nearest is {abs(room):.3g} dB too {'weak' if room > 0 else 'strong'}"
         raise Wm3dError(
             f"{mesh.name}: {self.label()} cannot be set to {budget.in_words()}"
             f"{way if abs(room) < REACH else ''}."
         )
 
-    def _of_strength(self, log_strength: float) -> Self:
+    def _of_log_strength(self, log_strength: float) -> Self:
         return self.model_copy(update={self.strength: math.exp(log_strength)})
 
     def _strength_limit(self) -> float:

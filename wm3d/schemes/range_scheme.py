@@ -78,7 +78,7 @@ class RangeScheme(Scheme):
 
     def embed(self, mesh: Mesh, seed: int) -> tuple[Mesh, Self]:
         """Mark the range image and let the vertices follow (section III-A); see `Scheme.embed`."""
-        host = _host(mesh, self._of_strength(0.0))  # which it does not depend on
+        host = _host(mesh, self.model_copy(update={self.strength: 1.0}))  # one entry for all strengths
         grey = self._grey(host.image, mesh.name)
         mark = self.image_mark
         if not mark.carried(grey.usable).any():

@@ -6,18 +6,17 @@ than `SPACING`. The three points, half-way from the centroid to the corners, int
 """
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import config
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 from wm3d.metrics.surface import kernels
 from wm3d.metrics.surface.nearest import Surface
+from wm3d.threads import two_threads
 
 SPACING = 0.01
 """Longest edge of a cell, over the diagonal of the original's bounding box."""
@@ -107,9 +106,7 @@ def normal_deviation(original: Mesh, other: Mesh) -> float:
 # the metrics of one pair are asked for one after the other, and share nearly all of their work
 @lru_cache(maxsize=1)
 def both_ways(original: Mesh, other: Mesh) -> tuple[OneWay, OneWay]:
-    """Measure from the original to the other surface and back, at a time where numba may use two threads.
-
-    The numbers do not depend on that.
+    """Measure from the original to the other surface and back, on `two_threads`.
 
     Raises
     ------
@@ -118,7 +115,7 @@ def both_ways(original: Mesh, other: Mesh) -> tuple[OneWay, OneWay]:
     """
     check_size(original, other)
     origin, unit = original.middle, original.diagonal
-    with ThreadPoolExecutor(min(2, config.NUMBA_NUM_THREADS)) as pool:
+    with two_threads() as pool:
         a, b = pool.map(lambda mesh: Surface((mesh.vertices - origin) / unit, mesh.faces), (original, other))
         there, back = pool.map(_one_way, (a, b), (b, a), (unit, unit))
     return there, back

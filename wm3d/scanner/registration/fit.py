@@ -50,9 +50,16 @@ def fitted(
     Each round looks for the surface nearest to each landmark and solves for the warp that brings it to the
     tangent planes there, by least squares with Tukey's weights: what was cut off or added does not count.
     """
+    terms = QUADRATIC_TERMS if quadratic else LINEAR_TERMS
     coefficients, held = fit_kernels.fitted(
-        *(start.coefficients, QUADRATIC_TERMS if quadratic else LINEAR_TERMS, reach, rounds),
-        *(*surface.tree, NEIGHBOURS, landmarks.points, landmarks.normals),
+        start.coefficients,
+        terms,
+        reach,
+        rounds,
+        *surface.tree,
+        NEIGHBOURS,
+        landmarks.points,
+        landmarks.normals,
     )
     if not held:
         return Fit(start, 0.0)
@@ -66,7 +73,7 @@ def share_met(surface: Surface, landmarks: Landmarks, warp: Warp, near: float = 
     Each counts 1 − (d/near)² for the distance d of the surface, so that a surface that lies right counts more
     than one of another shape that was bent until it came near.
     """
-    match = _match(surface, landmarks, warp, LAST_REACH)
+    match = _match(surface, landmarks, warp)
     return float(np.mean(match.reached * np.clip(1 - (match.distance / near) ** 2, 0, None)))
 
 
@@ -80,15 +87,15 @@ def nearest(surface: Surface, landmarks: Landmarks, poses: Sequence[Warp]) -> Wa
         return poses[0]
 
     def apart(pose: Warp) -> float:
-        match = _match(surface, landmarks, pose, LAST_REACH)
+        match = _match(surface, landmarks, pose)
         return float(np.mean(np.where(match.reached, np.minimum(np.abs(match.distance), NEAR), NEAR) ** 2))
 
     return min(poses, key=apart)
 
 
-def _match(surface: Surface, landmarks: Landmarks, warp: Warp, reach: float) -> _Match:
+def _match(surface: Surface, landmarks: Landmarks, warp: Warp) -> _Match:
     points, normals = surface.near(warp.inverse(landmarks.points))
     off, far, cosine = kernels.compared(
         points, normals, landmarks.points, landmarks.normals, warp.coefficients, warp.back
     )
-    return _Match(off, (cosine > FACING) & (far < reach))
+    return _Match(off, (cosine > FACING) & (far < LAST_REACH))

@@ -11,7 +11,7 @@ from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.search import Search, turned_starts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
-from wm3d.scanner.threads import by_halves
+from wm3d.threads import by_halves
 
 EXACT = FLOOR / 2
 """Distance at which half of the landmarks must be met for a pose to be left as it is."""
@@ -103,7 +103,7 @@ def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> list[Fit]:
 
 
 def _best(fits: list[Fit]) -> Fit:
-    """Return the first fit than which no later one is better by `GAIN`."""
+    """Return the last fit that is better by `GAIN` than the best before it."""
     best = fits[0]
     for fit in fits[1:]:
         best = fit if fit.share > best.share + GAIN else best

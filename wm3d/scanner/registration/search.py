@@ -15,8 +15,8 @@ from wm3d.scanner.registration.kernels import CELL, GRID
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
-from wm3d.scanner.threads import by_halves
 from wm3d.scanner.turns import TURNS, apart, turns
+from wm3d.threads import by_halves
 
 STARTS, APART = 32, 20.0
 """How many starts are returned, the best first, and the least angle between two, in degrees."""
@@ -122,10 +122,8 @@ class _Field(NamedTuple):
 
     def misfit(self, places: _Places, probes: Landmarks) -> FloatArray:
         """Return how far probes lie off the points in each of (n,) places, on average."""
-        misfit: FloatArray = kernels.misfits(
-            *(probes.points, probes.normals, places.turn, places.size, places.shift),
-            *(self.points, self.normals, self.nearest, self.distance),
-        )
+        field = self.points, self.normals, self.nearest, self.distance
+        misfit: FloatArray = kernels.misfits(probes.points, probes.normals, *places, *field)
         return misfit / places.size**self.power
 
 

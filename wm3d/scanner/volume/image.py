@@ -6,8 +6,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, vstack
 
 from wm3d.arrays import FloatArray, IntArray
-from wm3d.scanner.threads import by_halves
 from wm3d.scanner.volume import kernels
+from wm3d.threads import by_halves
 
 SAMPLES = 1.5
 """Parts of a face along its longer side, per cell of the image that it spans; more for coarse meshes gain

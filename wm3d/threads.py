@@ -1,4 +1,4 @@
-"""Work on two threads."""
+"""Work on two threads, as far as it does not hold the GIL."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -13,11 +13,13 @@ T = TypeVar("T")
 Items = TypeVar("Items", FloatArray, IntArray)
 
 
-def by_halves(kernel: Callable[[Items], T], items: Items) -> tuple[T, T]:
-    """Return what a kernel makes of each half of some items; it gains as far as it does not hold the GIL.
+def two_threads() -> ThreadPoolExecutor:
+    """Return two threads, or one where numba may use one, as in a worker; no number may depend on that."""
+    return ThreadPoolExecutor(min(2, config.NUMBA_NUM_THREADS))
 
-    At a time where numba may use two threads. The numbers do not depend on that.
-    """
-    with ThreadPoolExecutor(min(2, config.NUMBA_NUM_THREADS)) as threads:
+
+def by_halves(kernel: Callable[[Items], T], items: Items) -> tuple[T, T]:
+    """Return what a kernel makes of each half of some items, on `two_threads`."""
+    with two_threads() as threads:
         one, other = threads.map(kernel, np.array_split(items, 2))
     return one, other
