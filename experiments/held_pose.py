@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from pydantic import PrivateAttr
 
 from wm3d.attacks import Simplify
 from wm3d.mesh import Mesh, datasets, write_whole
@@ -28,12 +29,18 @@ RESULT = Path(__file__).resolve().parent.parent / "results" / "held_pose.csv"
 class Held(Song2002):
     """song2002 that is told where to scan from."""
 
+    _held: Cylinder = PrivateAttr()
+
+    @classmethod
+    def at(cls, cylinder: Cylinder, scheme: Song2002) -> "Held":
+        """Return a scheme that scans from a cylinder."""
+        held = cls(**scheme.model_dump())
+        held._held = cylinder
+        return held
+
     def cylinder(self, mesh: Mesh) -> Cylinder:  # noqa: ARG002 (it does not look)
-        """Return the cylinder set by `hold`."""
-        return HELD[0]
-
-
-HELD: list[Cylinder] = []
+        """Return the cylinder that is held."""
+        return self._held
 
 
 def main() -> None:
@@ -41,14 +48,13 @@ def main() -> None:
     rows = []
     for name, scheme in MODELS.items():
         mesh = datasets.load(name)
-        held = Held(**scheme.model_dump())
         for engine in ("fast-simplification", "pymeshlab-quadric", "clustering"):
             attack = Simplify(ratio=0.5, simplifier=engine)
             z = []
             for seed in range(KEYS):
                 marked, _ = scheme.embed(mesh, seed)
                 attacked = attack(marked, np.random.default_rng(seed))
-                HELD[:] = [scheme.cylinder(marked)]
+                held = Held.at(scheme.cylinder(marked), scheme)
                 z.append((scheme.score(attacked, seed).z, held.score(attacked, seed).z))
             posed, kept = np.mean(z, axis=0)
             rows.append({"mesh": name, "simplifier": engine, "keys": KEYS, "z_posed": posed, "z_held": kept})

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from wm3d import Mesh
+from wm3d.arrays import FloatArray
 from wm3d.bench.figures import COLORS, STYLE
 from wm3d.bench.render import Picture, View, render, upright
 from wm3d.imagemarks import DctAdditive
@@ -23,12 +24,10 @@ from wm3d.scanner import Cylinder, RangeImage, scan
 from wm3d.schemes import Song2002
 from wm3d.schemes.movement import move_vertices, radial_normals
 
-FloatArray = NDArray[np.float64]
-
 TURN, TILT = 15.0, 12.0
 """Side of the cylinder that faces the viewer, and how far the viewer looks down, in degrees."""
 
-BLUE, RED, GREEN = COLORS[0], COLORS[1], COLORS[2]
+BLUE, RED = COLORS[:2]
 GREY = "#70757a"
 DPI = 200
 

@@ -46,7 +46,7 @@ def main(mesh: str | None, schemes: str, repeats: int) -> None:
             median_seconds(lambda mesh, known=known: known.score(mesh, SEED), suspect, repeats)
             for suspect in suspects
         ]
-        print(f"{name:14s}{embed:8.2f}" + "".join(f"{time:16.2f}" for time in detect), flush=True)
+        print(f"{name:14s}{embed:8.2f}" + "".join(f"{taken:16.2f}" for taken in detect), flush=True)
 
 
 def median_seconds(call: Callable[[Mesh], object], mesh: Mesh, repeats: int) -> float:
