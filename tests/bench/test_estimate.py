@@ -1,11 +1,13 @@
 """Dry runs: the plan, what is there, and the time from real trials; nothing is stored."""
 
 import pytest
+from shapes import box
 
 from wm3d.attacks import Clean, GaussianNoise, Simplify
 from wm3d.bench import run_config
 from wm3d.bench.estimate import Cost, seconds, setting
 from wm3d.bench.plan import Task, TrialCell
+from wm3d.mesh import save_mesh
 from wm3d.schemes import Song2002
 
 COST = Cost(embed=1.0, attack=10.0, read=0.1, error="")
@@ -43,8 +45,19 @@ def test_a_dry_run_tells_which_attacks_fail(config, tmp_path, monkeypatch, capsy
 
     monkeypatch.setattr(GaussianNoise, "__call__", unlucky)
     run_config(config(), out=tmp_path / "run", dry_run=True)
-    (noise,) = [line for line in capsys.readouterr().out.splitlines() if "gaussian-noise" in line]
+    out = capsys.readouterr().out
+    (noise,) = [line for line in out.splitlines() if "gaussian-noise" in line]
     assert noise.split()[-1] == "failed"
+    assert "RuntimeError: no luck" in out
+
+
+def test_a_dry_run_tells_which_meshes_are_refused_and_why(config, tmp_path, capsys):
+    save_mesh(box(), tmp_path / "box.ply")
+    override = f"cases=[{{meshes: ['{tmp_path / 'box.ply'}'], schemes: [{{name: cho2007-mean}}]}}]"
+    run_config(config(), out=tmp_path / "run", dry_run=True, overrides=[override])
+    out = capsys.readouterr().out
+    assert [line.split()[-1] for line in out.splitlines() if line.startswith(" clean")] == ["refused"]
+    assert "not marked: " in out
 
 
 @pytest.mark.parametrize(

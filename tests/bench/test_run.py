@@ -203,6 +203,13 @@ def test_a_changed_parameter_runs_only_what_depends_on_it(small, config):
     assert detection(small).loc[["clean", "similarity"]].equals(before.loc[["clean", "similarity"]])
 
 
+def test_a_run_of_other_trials_says_that_it_takes_the_place_of_an_earlier_one(small, config, capsys):
+    run_config(config(), out=small, overrides=["trials=6"], workers=1)
+    assert "held a run of other trials" not in capsys.readouterr().err
+    run_config(config(), out=small, overrides=["seed=8"], workers=1)
+    assert "held a run of other trials; its cells are kept" in capsys.readouterr().err
+
+
 def test_failed_trials_are_counted_and_the_rest_stands(small_run, config, tmp_path, monkeypatch):
     def unlucky(_: GaussianNoise, mesh: Mesh, rng: np.random.Generator) -> Mesh:
         if rng.random() < 0.5:

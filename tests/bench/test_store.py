@@ -57,7 +57,7 @@ def damaged(directory: RunDirectory) -> str:
         directory.read_cell(A)
     message = str(raised.value)
     assert message.startswith(f"{directory.cell_path(A)}: is damaged (")
-    assert message.endswith(") and will be computed again.")
+    assert message.endswith("); `wm3d run` computes it again.")
     assert "\n" not in message
     return message
 

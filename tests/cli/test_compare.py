@@ -5,15 +5,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from shapes import box, icosphere
 
 import wm3d as library
+from wm3d.attacks import Reorder
 from wm3d.mesh import save_mesh
 from wm3d.metrics import METRICS
 
 Run = Callable[..., Any]
 PERCENT = "hausdorff_percent_of_diagonal"
+VERTEX_BY_VERTEX = ("snr_db", "psnr_db", "msdm")
 
 
 @pytest.fixture
@@ -53,12 +56,25 @@ def test_other_vertices_are_no_obstacle_to_the_other_metrics(
 ) -> None:
     save_mesh(icosphere(2), tmp_path / "sphere.ply")
     found = json.loads(wm3d("compare", cubes[0], tmp_path / "sphere.ply", "--json").stdout)
-    assert found["notes"] == dict.fromkeys(("snr_db", "psnr_db", "msdm"), "needs the same vertices")
+    assert found["notes"] == dict.fromkeys(VERTEX_BY_VERTEX, "needs the same vertices in the same order")
     assert found["snr_db"] is None
     assert found[PERCENT] > 0
     assert found["msdm2"] > 0
     text = wm3d("compare", cubes[0], tmp_path / "sphere.ply").stdout
-    assert next(line for line in text.splitlines() if line.startswith("msdm ")).endswith("the same vertices")
+    assert next(line for line in text.splitlines() if line.startswith("msdm ")).endswith("in the same order")
+
+
+def test_vertices_in_another_order_are_others_and_faces_in_another_order_are_not(
+    wm3d: Run, files: Path, tmp_path: Path
+) -> None:
+    mesh = library.load_mesh(files / "good.ply")
+    save_mesh(Reorder()(mesh, np.random.default_rng(1)), tmp_path / "shuffled.ply")
+    found = json.loads(wm3d("compare", files / "good.ply", tmp_path / "shuffled.ply", "--json").stdout)
+    assert set(VERTEX_BY_VERTEX) <= found["notes"].keys()
+    assert found["hausdorff_mesh_units"] < 1e-9
+    save_mesh(library.Mesh(1.1 * mesh.vertices, mesh.faces[::-2, ::-1]), tmp_path / "half.ply")
+    found = json.loads(wm3d("compare", files / "good.ply", tmp_path / "half.ply", "--json").stdout)
+    assert found["snr_db"] == pytest.approx(20)  # of a tenth
 
 
 def test_infinite_numbers_are_null_and_noted(wm3d: Run, cubes: tuple[Path, Path]) -> None:

@@ -146,7 +146,34 @@ def test_undetectable_mark_is_written_with_a_warning(wm3d: Run, files: Path, out
     outcome = wm3d("embed", files / "good.ply", target, *options)
     assert outcome.status == 0
     assert target.is_file()
-    assert re.fullmatch(rf"wm3d: {re.escape(str(target))}: the mark .* too weak .*\.\n", outcome.stderr)
+    assert re.fullmatch(rf"wm3d: {re.escape(str(target))}: the mark .* too weak; .*\.\n", outcome.stderr)
+
+
+@pytest.mark.parametrize(
+    ("target", "options", "remedy"),
+    [
+        ("marked.stl", ("--scheme", "vertex-ss"), "the format .stl loses it; write PLY, OBJ or OFF"),
+        ("marked.ply", ("--scheme", "cho2007-mean", "bits=8"), "not even the right key could reach that"),
+    ],
+)
+def test_mark_that_the_file_cannot_show_says_why(
+    target: str, options: tuple[str, ...], remedy: str, wm3d: Run, files: Path, out: Path
+) -> None:
+    outcome = wm3d(
+        "embed", files / "good.ply", out / target, "--key", out / "key.json", "--seed", "1", *options
+    )
+    assert outcome.status == 0
+    assert remedy in outcome.stderr
+
+
+def test_another_key_in_the_place_of_a_new_one_is_kept(wm3d: Run, files: Path, out: Path) -> None:
+    key = out / "key.json"
+    for seed in ("1", "2", "2", "3"):
+        outcome = wm3d("embed", files / "good.ply", out / f"{seed}.ply", "--key", key, "--seed", seed, *SMALL)
+    assert outcome.stderr == f"wm3d: {key}: held another key, which is kept as {key}.~2~.\n"
+    for seed, kept in (("1", f"{key}.~1~"), ("2", f"{key}.~2~"), ("3", key)):
+        assert wm3d("detect", out / f"{seed}.ply", "--key", kept).status == 0
+    assert len(list(out.glob("key.json*"))) == 3
 
 
 def test_marking_in_place_when_it_fails_keeps_the_original(wm3d: Run, out: Path) -> None:

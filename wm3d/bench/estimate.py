@@ -5,8 +5,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numba.core import event
 from rich.table import Table
 
+from wm3d.bench.columns import NOT_MARKED
 from wm3d.bench.plan import CalibrationCell, Cell, FalseAlarmCell, Task, TrialCell, tasks, uncalibrated
 from wm3d.bench.progress import duration
 from wm3d.bench.summary import table_console
@@ -32,12 +34,18 @@ Setting = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Cost:
-    """Seconds that a trial takes to embed, to attack and to read; `error` where its attack failed."""
+    """Seconds that a trial takes to embed, to attack and to read; `error` where one of these went wrong."""
 
     embed: float
     attack: float
     read: float
     error: str
+
+    @property
+    def failure(self) -> str:
+        """What became of the trial in one word, if anything did."""
+        refused = self.error.startswith(NOT_MARKED)
+        return "refused" if refused else "failed" if self.error else ""
 
     @property
     def trial(self) -> float:
@@ -55,6 +63,9 @@ def print_estimate(
     for mesh, scheme in schemes:
         console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
         console.print(_table(mesh, scheme, cells, missing, costs))
+        errors = [cost.error for names, cost in costs.items() if names[:2] == (mesh, scheme) and cost.error]
+        for error in dict.fromkeys(errors):
+            console.print(f" {error}", highlight=False, soft_wrap=True)
     todo = tasks(missing)
     console.print(
         f"{name}: {len(cells)} cells, {len(cells) - len(missing)} of them there already.", highlight=False
@@ -83,7 +94,7 @@ def _table(
     for names, group in groups.items():
         there = sum(cell.digest not in absent for cell in group)
         cost = costs.get(names)
-        took = "" if cost is None else "failed" if cost.error else f"{cost.trial:.2f}"
+        took = "" if cost is None else cost.failure or f"{cost.trial:.2f}"
         trials = sum(cell.trials for cell in group)
         output.add_row(names[2], str(len(group)), str(there), str(trials), took)
     return output
@@ -103,9 +114,10 @@ def measured(cells: Iterable[Cell], meshes: Mapping[str, Mesh]) -> dict[Setting,
             continue
         block = (cell.seed, cell.mesh, cell.mesh_digest, cell.scheme, cell.attack, 0, 1)
         trial = TrialCell(*block, "H1", getattr(cell, "wrong_keys", 0))
-        if not costs:
-            _timed(trial, meshes)  # the first call loads the kernels
-        costs[setting(cell)] = _timed(trial, meshes)
+        with event.install_recorder("numba:compile") as compiled:
+            cost = _timed(trial, meshes)
+        again = compiled.buffer or not costs  # kernels were compiled, or loaded: that is no cost of a trial
+        costs[setting(cell)] = _timed(trial, meshes) if again else cost
     return costs
 
 
@@ -116,13 +128,10 @@ def _timed(trial: TrialCell, meshes: Mapping[str, Mesh]) -> Cost:
     if trial.digest not in rows:
         return Cost(0.0, 0.0, total, "not enough memory")
     row = rows[trial.digest].iloc[0]
-    embed, attack = np.nan_to_num(
-        [row["embed_seconds"], row["attack_seconds"]]
-    )  # NaN where it never came to it
-    failed = bool(np.isnan(row["log10_p"]))
-    return Cost(
-        float(embed), float(attack), float(total - embed - attack), str(row["error"]) if failed else ""
-    )
+    stages = row[["embed_seconds", "attack_seconds"]].to_numpy(np.float64)
+    embed, attack = np.nan_to_num(stages).tolist()  # NaN where it never came to that stage
+    failed = np.isnan(row["log10_p"]) or row["error"].startswith(NOT_MARKED)
+    return Cost(embed, attack, total - embed - attack, str(row["error"]) if failed else "")
 
 
 def seconds(todo: Iterable[Task], costs: Mapping[Setting, Cost]) -> float:

@@ -39,11 +39,16 @@ SIGMA_CAPTION = " σ: standard deviation of noise on each coordinate in % of the
 """What a reader must know under a figure with noise in it."""
 
 
+CAPTION_DENSITY = 25
+"""Characters of a caption in an inch of a figure's width."""
+
+
 def caption(figure: Figure, text: str, meshes: Iterable[str], credits: Mapping[str, str | None]) -> None:
     """Write below a figure what a reader must know, and the credits that its meshes owe."""
     owed = list(dict.fromkeys(filter(None, map(credits.get, meshes))))
     text += f" Meshes: {'; '.join(owed)}." if owed else ""
-    figure.supxlabel(textwrap.fill(text, 125), fontsize=6.5, x=0.01, ha="left", color="0.45")
+    width = min(125, int(CAPTION_DENSITY * figure.get_figwidth()))
+    figure.supxlabel(textwrap.fill(text, width), fontsize=6.5, x=0.01, ha="left", color="0.45")
 
 
 def keys(detection: pd.DataFrame) -> str:

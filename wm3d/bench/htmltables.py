@@ -188,10 +188,11 @@ def _column(table: pd.DataFrame, column: str) -> Column:
     numeric = is_numeric_dtype(values) and not is_bool_dtype(values)
     if not numeric:
         return Column(_heading(column), False, [Cell(str(value), str(value)) for value in values])
-    short = shortener(values)
+    ends = [table[f"{column}_{end}"] for end in ("low", "high") if _has_interval(table, column)]
+    short = shortener(pd.concat([values, *ends]))
     cells = [Cell(short(value), repr(value)) for value in values.tolist()]
-    if _has_interval(table, column):
-        limits = zip(table[f"{column}_low"].tolist(), table[f"{column}_high"].tolist(), strict=True)
+    if ends:
+        limits = zip(*(end.tolist() for end in ends), strict=True)
         cells = [
             Cell(cell.text, f"{cell.full}, 95 % {low!r} to {high!r}", f"{short(low)}–{short(high)}")
             for cell, (low, high) in zip(cells, limits, strict=True)

@@ -148,7 +148,10 @@ def read_manifest(directory: RunDirectory) -> dict[str, Any]:
         manifest: dict[str, Any] = json.loads((directory.path / "manifest.json").read_bytes())
         missing = {"meshes", "cells", "false_alarm_cells"} - manifest.keys()
     except (OSError, ValueError, AttributeError):
-        raise Wm3dError(f"{directory.path}: is not the directory of a finished run (no manifest).") from None
+        raise Wm3dError(
+            f"{directory.path}: is not the directory of a finished run (no manifest); where one was stopped, "
+            "the same `wm3d run` goes on."
+        ) from None
     if missing:
         raise Wm3dError(
             f"{directory.path}: its manifest lacks {', '.join(sorted(missing))}; run the config again."

@@ -91,11 +91,17 @@ def run_config(
         check_scheduler(dask)  # before the report of an earlier run goes
     directory.create()
     with directory.locked():
-        started = datetime.now(UTC)
+        started, earlier = datetime.now(UTC), directory.reported()
         directory.begin(write_yaml(experiment.model_dump(mode="json")))
         lost = _run_missing(first, meshes, directory, workers, dask) if first else []
         strengths = dict.fromkeys((cell.digest for cell in lost), math.nan) | _strengths(first, directory)
         cells = plan(experiment, meshes, strengths)
+        if earlier and earlier.isdisjoint(cell.digest for cell in cells):
+            print(
+                f"{directory.path}: held a run of other trials; its cells are kept, its tables and report "
+                "give way to those of this one.",
+                file=sys.stderr,
+            )
         lost += _run_missing(cells, meshes, directory, workers, dask)
         stored = [cell for cell in [*first, *cells] if cell not in lost]
         lost_trials = sum(cell.trials for cell in lost)
@@ -119,6 +125,8 @@ def _resolved(experiment: Experiment, config: str | Path) -> dict[str, Mesh]:
             meshes[name] = datasets.resolve(name)
         except Wm3dError as error:
             faults.append(str(error))
+            if not Path(name).is_absolute() and (Path(config).parent / name).is_file():
+                faults[-1] += f" Paths are relative to the folder that the command runs in, {Path.cwd()}."
     if faults:
         count = f"{len(faults)} faults:\n  " if len(faults) > 1 else ""
         raise Wm3dError(f"{config}: {count}" + "\n  ".join(faults))

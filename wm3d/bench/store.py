@@ -1,6 +1,7 @@
 """A run directory: the config as run, one parquet file a cell, tables, figures, manifest."""
 
 import io
+import json
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -72,6 +73,14 @@ class RunDirectory:
             yield
         finally:
             lock.release()
+
+    def reported(self) -> set[str]:
+        """Return the digests of the cells that the report is about; none where there is no manifest."""
+        try:
+            manifest = json.loads((self.path / "manifest.json").read_bytes())
+            return set(manifest["cells"])
+        except (OSError, ValueError, KeyError, TypeError):
+            return set()
 
     def begin(self, config: str) -> None:
         """Store the config as run; a manifest and a report that speak of another config go."""
@@ -168,4 +177,4 @@ class DamagedCellError(Wm3dError):
     """A cell file that cannot be trusted; it is computed again."""
 
     def __init__(self, path: Path, reason: str) -> None:
-        super().__init__(f"{path}: is damaged ({reason}) and will be computed again.")
+        super().__init__(f"{path}: is damaged ({reason}); `wm3d run` computes it again.")

@@ -72,7 +72,7 @@ def run(
 
 
 def report(
-    directory: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="What `wm3d run` wrote.")],
+    directory: Annotated[Path, typer.Argument(metavar="RUN_DIR", help="What a finished `wm3d run` wrote.")],
 ) -> None:
     """Write the tables, figures and page of a run again.
 

@@ -2,10 +2,11 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated
 
 import typer
 
+from wm3d.cli.marked import MarkedFiles, default_pf, evidence, kept_key, score_fields
 from wm3d.cli.options import (
     AsJson,
     Late,
@@ -20,16 +21,6 @@ from wm3d.cli.options import (
 )
 from wm3d.cli.output import print_json
 from wm3d.errors import Wm3dError
-
-if TYPE_CHECKING:
-    from wm3d.schemes import Scheme
-    from wm3d.stats import Score
-
-
-def _default_pf() -> str:
-    from wm3d.stats import DEFAULT_PF
-
-    return f"{DEFAULT_PF:g}"
 
 
 def embed(
@@ -80,8 +71,9 @@ def embed(
     """Mark a mesh and write its key.
 
     What detection finds in the file as written is printed. Both OUT and KEY.json are written, or neither;
-    existing files are replaced. Vertices and faces are kept, colours and textures are not. Detection needs
-    the key, and the original only where the scheme is not blind: keep the key, and keep it secret.
+    existing files are replaced, but another key is kept beside the new one. Vertices and faces are kept,
+    colours and textures are not. Detection needs the key, and the original only where the scheme is not
+    blind: keep the key, and keep it secret.
 
     The object of --json has the fields scheme, snr_db, original, marked, key, and those of `wm3d detect`
     that tell of the file as written: detected, p_value, log10_p, z, statistic, threshold_pf. An infinite SNR,
@@ -114,41 +106,16 @@ def embed(
     content = encode_mesh(marked, target)
     written = decode_mesh(content, target, name=str(target))
     score = its_key.score(written)
-    write_together({target: content, key: its_key.encode()})
+    kept = kept_key(key, its_key.encode())
+    write_together({**kept, target: content, key: its_key.encode()})
+    for place in kept:
+        typer.echo(f"wm3d: {key}: held another key, which is kept as {place}.", err=True)
 
     compared = written if len(written.vertices) == len(mesh.vertices) else marked  # STL has three a face
-    told = _MarkedFiles(source, target, key, its_key.scheme, measured_snr(mesh, compared), score)
+    before = score if score.detected() else its_key.score(marked)
+    decibels = measured_snr(mesh, compared)
+    told = MarkedFiles(source, target, key, its_key.scheme, decibels, before, score)
     told.print(as_json=as_json)
-
-
-class _MarkedFiles(NamedTuple):
-    """What `embed` tells of the files that it wrote."""
-
-    source: str
-    target: Path
-    key: Path
-    scheme: "Scheme"
-    decibels: float
-    score: "Score"
-
-    def print(self, *, as_json: bool) -> None:
-        from wm3d.registry import component_name
-        from wm3d.stats import DEFAULT_PF
-
-        if as_json:
-            scheme = {"scheme": component_name(type(self.scheme)), "snr_db": _finite(self.decibels)}
-            files = {"original": self.source, "marked": str(self.target), "key": str(self.key)}
-            print_json({**scheme, **files, **_fields(self.score, DEFAULT_PF)})
-        else:
-            typer.echo(f"{self.source} -> {self.target}: {self.scheme.label()}, SNR {self.decibels:.2f} dB")
-            typer.echo(f"detection in {self.target}: {_evidence(self.score)}")
-            typer.echo(f"key: {self.key}")
-        if not self.score.detected():
-            typer.echo(
-                f"wm3d: {self.target}: the mark in the written file is too weak to be detected at Pf = "
-                f"{_default_pf()}; choose another strength or region.",
-                err=True,
-            )
 
 
 def detect(
@@ -160,7 +127,7 @@ def detect(
         typer.Option(
             metavar="PF",
             help="False-alarm probability: a p-value at or below it is a detection.",
-            default_factory=Late(_default_pf),
+            default_factory=Late(default_pf),
         ),
     ],
     original: Annotated[
@@ -190,10 +157,10 @@ def detect(
     score = its_key.score(read_mesh(mesh))
     detected = score.detected(pf)
     if as_json:
-        print_json({**_fields(score, pf), "scheme": component_name(type(its_key.scheme)), "mesh": mesh})
+        print_json({**score_fields(score, pf), "scheme": component_name(type(its_key.scheme)), "mesh": mesh})
     else:
         verdict = "carries the mark" if detected else "shows no mark"
-        typer.echo(f"{mesh} {verdict} of {key} at Pf = {pf:g}: {_evidence(score)}")
+        typer.echo(f"{mesh} {verdict} of {key} at Pf = {pf:g}: {evidence(score)}")
         if score.null.log10_p_least > math.log10(pf):
             typer.echo(
                 "Not even the right key could reach this Pf: too few coefficients of the mesh are read."
@@ -208,30 +175,12 @@ def detect(
         raise typer.Exit(1)
 
 
-def _fields(score: "Score", pf: float) -> dict[str, Any]:
-    """Return what JSON tells of a score; log10 p of a key that no random one can equal is null."""
-    return {
-        "detected": score.detected(pf),
-        "p_value": score.p_value,
-        "log10_p": _finite(score.log10_p),
-        "z": score.z,
-        "statistic": score.statistic,
-        "threshold_pf": pf,
-    }
-
-
-def _finite(number: float) -> float | None:
-    return number if math.isfinite(number) else None
-
-
-def _evidence(score: "Score") -> str:
-    return f"z = {score.z:.2f}, log10 p = {score.log10_p:.2f}"
-
-
 def _keep_apart(key: Path, source: str, target: Path) -> None:
     """Refuse a key that would overwrite a mesh, and a marked mesh that would overwrite its original."""
-    from wm3d.mesh import datasets
+    from wm3d.mesh import ENDINGS, datasets
 
+    if key.suffix.lower() in ENDINGS:
+        raise Wm3dError(f"{key}: has the ending of a mesh; give the key a name of its own, such as key.json.")
     if same_file(key, target) or same_file(key, datasets.locate(source)):
         raise Wm3dError(f"{key}: is the key and a mesh as well; give the key a name of its own.")
     keep_original(source, target, "marked mesh")

@@ -60,7 +60,7 @@ def attack(
     import numpy as np
 
     from wm3d.attacks import ATTACKS, Noise
-    from wm3d.mesh import ENDINGS, check_target, decode_mesh, encode_mesh, write_whole
+    from wm3d.mesh import ENDINGS, Mesh, check_target, decode_mesh, encode_mesh, write_whole
 
     if Path(name).suffix.lower() in ENDINGS:
         raise Wm3dError(f"{name}: stands where the name of an attack belongs; the order is IN OUT NAME.")
@@ -69,6 +69,8 @@ def attack(
     check_target(target)
     mesh = read_mesh(source)
     attacked = chosen(mesh, np.random.default_rng(seed))
+    if not isinstance(attacked, Mesh):
+        raise Wm3dError(f"{name}: returned a {type(attacked).__name__} in place of a mesh; mend that attack.")
     content = encode_mesh(attacked, target)
     write_whole(target, content)
     written = decode_mesh(content, target)  # STL has three vertices a face

@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import numpy as np
+
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh
 from wm3d.metrics.metric import Metric
@@ -54,10 +56,22 @@ def measure(original: Mesh, other: Mesh) -> list[Measurement]:
     ]
 
 
+def _same_vertices(original: Mesh, other: Mesh) -> bool:
+    """Tell whether two meshes have as many vertices, and most of the faces of one name the same ones.
+
+    Faces may be missing, turned over, added or in another order; vertices in another order are others.
+    """
+    if original.vertices.shape != other.vertices.shape:
+        return False
+    one, two = (np.unique(np.sort(mesh.faces, axis=1), axis=0) for mesh in (original, other))
+    common = len(one) + len(two) - len(np.unique(np.vstack([one, two]), axis=0))
+    return common > min(len(one), len(two)) / 2
+
+
 def _measurements(name: str, metric: Metric, original: Mesh, other: Mesh) -> Iterator[Measurement]:
     value, reason = None, ""
-    if metric.same_vertices and original.vertices.shape != other.vertices.shape:
-        reason = "needs the same vertices"
+    if metric.same_vertices and not _same_vertices(original, other):
+        reason = "needs the same vertices in the same order"
     else:
         try:
             value = metric(original, other)
