@@ -1,6 +1,7 @@
 """Registries: components by name, the built-in ones and those that installed packages add by entry points."""
 
 import difflib
+import logging
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
@@ -31,39 +32,50 @@ class Registry(Mapping[str, type[T]], Generic[T]):
     Notes
     -----
     A package adds its own by the entry point group ``wm3d.attacks``, ``wm3d.schemes`` or ``wm3d.imagemarks``
-    (the kind and an s); entry points are read when the registry is first used.
+    (the kind and an s); entry points are read when the registry is first used. One that cannot be used is
+    logged, and told to who asks for an unknown name; the others are there.
     """
 
     def __init__(self, kind: str, base: type[T], *builtin: type[T]) -> None:
         self.kind, self._base, self._builtin = kind, base, builtin
+        self._faults: list[str] = []
 
     @cached_property
     def _classes(self) -> dict[str, type[T]]:
         classes = {component_name(cls): cls for cls in self._builtin}
         for point in sorted(entry_points(group=f"wm3d.{self.kind}s"), key=lambda point: point.name):
             try:
-                cls = point.load()
-            except (Exception, SystemExit) as error:  # whatever foreign code may do when it is imported
-                raise Wm3dError(
-                    f"the {self.kind} {point.value} of the package {_package(point)} cannot be loaded "
-                    f"({error}); mend or uninstall that package."
-                ) from error
-            if not (isinstance(cls, type) and issubclass(cls, self._base)):
-                raise Wm3dError(
-                    f"the entry point {point.value} is not a {self.kind}: it must derive from "
-                    f"{self._base.__module__}.{self._base.__name__}."
-                )
-            if classes.setdefault(component_name(cls), cls) is not cls:
-                raise Wm3dError(
-                    f"the {self.kind} name {component_name(cls)!r} is taken; {point.value} must use another."
-                )
+                cls = self._loaded(point)
+                if classes.setdefault(component_name(cls), cls) is not cls:
+                    name = component_name(cls)
+                    raise Wm3dError(
+                        f"the {self.kind} name {name!r} is taken; {point.value} must use another."
+                    )
+            except Wm3dError as fault:  # who does not ask for it can do without it
+                logging.getLogger(__name__).warning("wm3d: %s", fault)
+                self._faults.append(str(fault))
         return classes
+
+    def _loaded(self, point: EntryPoint) -> type[T]:
+        try:
+            cls: type[T] = point.load()
+        except (Exception, SystemExit) as error:  # whatever foreign code may do when it is imported
+            raise Wm3dError(
+                f"the {self.kind} {point.value} of the package {_package(point)} cannot be loaded "
+                f"({error}); mend or uninstall that package."
+            ) from error
+        if not (isinstance(cls, type) and issubclass(cls, self._base)):
+            raise Wm3dError(
+                f"the entry point {point.value} is not a {self.kind}: it must derive from "
+                f"{self._base.__module__}.{self._base.__name__}."
+            )
+        return cls
 
     def __getitem__(self, name: str) -> type[T]:
         if name not in self._classes:
             near = difflib.get_close_matches(name, self._classes, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(self._classes)}."
-            raise Wm3dError(f"unknown {self.kind} {shown(name)}; {hint}")
+            raise Wm3dError(" ".join([f"unknown {self.kind} {shown(name)}; {hint}", *self._faults]))
         return self._classes[name]
 
     def __contains__(self, name: object) -> bool:

@@ -45,7 +45,7 @@ def _outcomes(name: str, pairs: list[str]) -> "Iterator[Outcome]":
     from wm3d.contract import ATTACK_CHECKS, SCHEME_CHECKS, examine
     from wm3d.schemes import SCHEMES
 
-    if name not in ATTACKS and name not in SCHEMES:
+    if name not in ATTACKS and name not in SCHEMES:  # one that cannot be loaded has been logged
         near = difflib.get_close_matches(name, [*SCHEMES, *ATTACKS], n=1)
         hint = f"did you mean {near[0]!r}?" if near else "see `wm3d list schemes` and `wm3d list attacks`."
         raise Wm3dError(f"unknown scheme or attack {name!r}; {hint}")
