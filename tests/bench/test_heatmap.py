@@ -7,7 +7,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from wm3d.bench.heatmap import BETWEEN, FOUND, LOST, UNTRIED, heatmap_figure
+from wm3d.bench.heatmap import BETWEEN, FOUND, LOST, REFUSED, UNTRIED, heatmap_figure
 
 PF = 1e-6
 MESHES = "longer than its columns", "cow"
@@ -46,6 +46,13 @@ def test_cells_hold_the_numbers_of_the_table_and_the_colours_of_the_verdict():
     assert texts(figure, 1) == ["20.0", "4.8", "0.0", "–"]
     assert colors(figure, 0)[::2] == [FOUND, LOST]
     assert colors(figure, 1) == [FOUND, pytest.approx(BETWEEN), LOST, UNTRIED]
+
+
+def test_a_mesh_that_was_refused_is_not_shown_as_a_mark_that_was_lost():
+    table = detection(("m", "s", "clean", 1.0, 20.0), ("n", "s", "clean", 0.0, 0.0)).assign(refused=[0, 8])
+    figure = heatmap_figure(table, PF, {})
+    assert texts(figure, 0) == ["1", REFUSED]
+    assert colors(figure, 1) == [FOUND, UNTRIED]
 
 
 def test_schemes_on_one_mesh_stand_side_by_side_and_what_was_not_tried_is_blank():

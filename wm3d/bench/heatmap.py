@@ -25,6 +25,9 @@ LOST, BETWEEN, FOUND = "#d55e00", "#f0ece4", "#0072b2"
 """Colours of cells: apart for all kinds of colour vision."""
 
 UNTRIED = "#d0d0d0"
+REFUSED = "×"
+"""Where the scheme marked the mesh with no key."""
+
 DARK_INK, LIGHT_INK = "#1c2024", "#fdfdfd"
 """Numbers on light and on dark cells: no plain black and white, which the report turns round at night."""
 
@@ -55,7 +58,10 @@ D_PRIME_SPAN = 3.0
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """One table as a picture: `values` and `texts` (attacks, columns), NaN where nothing was tried."""
+    """One table as a picture: `values` and `texts` (attacks, columns).
+
+    A value is NaN where nothing was tried, and infinite where the mesh was refused.
+    """
 
     title: str
     values: FloatArray
@@ -114,6 +120,8 @@ def heatmap_figure(detection: pd.DataFrame, pf: float, credits: Mapping[str, str
             f"and variance 1. Its colour turns at z = {norm.isf(pf):.2f}, from which a mark is found. "
             "95 % intervals stand in the table of detection."
         )
+        if (_refused(detection) > 0).any():
+            text += f" {REFUSED}: the scheme refused to mark the mesh."
         if detection["sigma_percent"].notna().any():
             text += SIGMA_CAPTION
         caption(figure, text, dict.fromkeys(detection["mesh"]), credits)
@@ -132,11 +140,21 @@ def _grids(
     by_cell = detection.set_index(["attack", "mesh", "scheme"])
     cells = pd.MultiIndex.from_tuples([(attack, *column) for attack in attacks for column in columns])
     shape = len(attacks), len(columns)
-    pd_, d = (by_cell[name].reindex(cells).to_numpy(np.float64).reshape(shape) for name in (found, "d_prime"))
+    refused = (_refused(by_cell).reindex(cells) > 0).to_numpy().reshape(shape)
+    pd_, d = (
+        np.where(refused, np.inf, by_cell[name].reindex(cells).to_numpy(np.float64).reshape(shape))
+        for name in (found, "d_prime")
+    )
     return (
         _Grid(f"Pd at Pf = {power_of_ten(np.log10(pf))}", pd_, _written(pd_, 2), 0.5, 1.0),
         _Grid("d′", d, _written(d, 1), threshold, D_PRIME_SPAN * threshold),
     )
+
+
+def _refused(detection: pd.DataFrame) -> "pd.Series[float]":
+    """Return 1 where the scheme marked the mesh with no key at all, else 0."""
+    never = detection["refused"] == detection["trials"] if "refused" in detection else False
+    return pd.Series(never & (detection["trials"] > 0), detection.index, dtype=float)
 
 
 def _written(values: FloatArray, decimals: int) -> list[list[str]]:
@@ -145,6 +163,8 @@ def _written(values: FloatArray, decimals: int) -> list[list[str]]:
     def short(value: float) -> str:
         if np.isnan(value):
             return "–"
+        if np.isinf(value):
+            return REFUSED
         if decimals == 2 and value in (0, 1):
             return f"{value:.0f}"
         if decimals == 2:
@@ -196,7 +216,7 @@ def _draw(panel: Axes, grid: _Grid, names: list[str], columns: list[tuple[str, s
     rows = len(grid.values)
     scale, colormap = grid.colors()
     colors = colormap(scale(np.nan_to_num(grid.values)))
-    colors[np.isnan(grid.values)] = to_rgba(UNTRIED)
+    colors[~np.isfinite(grid.values)] = to_rgba(UNTRIED)
     places = _places(columns)
     boxes = [Rectangle((x + 0.02, y + 0.03), 0.96, 0.94) for y in range(rows) for x in places]
     panel.add_collection(PatchCollection(boxes, facecolors=colors.reshape(-1, 4), edgecolors="none"))
