@@ -9,7 +9,7 @@ import codecs
 import io
 import re
 from collections.abc import Callable
-from itertools import pairwise
+from itertools import chain
 
 import numpy as np
 import trimesh
@@ -18,6 +18,7 @@ from trimesh.exchange.stl import load_stl
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.ply import read_ply, write_ply
+from wm3d.mesh.polygons import triangulated
 
 Arrays = tuple[FloatArray, IntArray]
 
@@ -26,9 +27,9 @@ FLOAT32_TOLERANCE = 1e-5
 
 
 def read_obj(content: bytes) -> Arrays:
-    """Read the `v` and `f` lines of Wavefront OBJ; polygons become fans, relative indices are resolved."""
+    """Read the `v` and `f` lines of Wavefront OBJ; polygons are split, relative indices resolved."""
     vertices: list[list[bytes]] = []
-    faces: list[tuple[int, int, int]] = []
+    polygons: list[list[int]] = []
     text = content.removeprefix(codecs.BOM_UTF8).replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
     for number, line in enumerate(text.splitlines(), start=1):
         fields = line.partition(b"#")[0].split()
@@ -39,10 +40,10 @@ def read_obj(content: bytes) -> Arrays:
         if fields[0] == b"v":
             vertices.append(fields[1:4])
         else:
-            faces.extend(_fan([_obj_index(field, len(vertices)) for field in fields[1:]]))
+            polygons.append([_obj_index(field, len(vertices)) for field in fields[1:]])
     if not vertices:
         raise ValueError("no v lines")
-    return np.array(vertices, dtype=np.float64), _stacked(faces)
+    return _split(np.array(vertices, dtype=np.float64), polygons)
 
 
 def _obj_index(corner: bytes, defined: int) -> int:
@@ -54,7 +55,7 @@ def _obj_index(corner: bytes, defined: int) -> int:
 
 
 def read_off(content: bytes) -> Arrays:
-    """Read ASCII OFF, also with colours or normals behind the coordinates; polygons become fans."""
+    """Read ASCII OFF, also with colours or normals behind the coordinates; polygons are split."""
     text = re.sub(rb"#.*", b"", content.removeprefix(codecs.BOM_UTF8))
     header = re.match(rb"\s*[A-Z]*OFF\s*(\d+)\s+(\d+).*", text)
     if header is None:
@@ -64,12 +65,12 @@ def read_off(content: bytes) -> Arrays:
     if len(rows) < n + m:
         raise ValueError(f"{n} vertices and {m} faces announced, {len(rows)} lines found")
     vertices = np.array([row[:3] for row in rows[:n]], dtype=np.float64).reshape(n, 3)
-    faces: list[tuple[int, int, int]] = []
+    polygons: list[list[int]] = []
     for count, *corners in rows[n : n + m]:
         if len(corners) < int(count) or int(count) < 3:
             raise ValueError(f"a face of {int(count)} corners lists {len(corners)}")
-        faces.extend(_fan([int(corner) for corner in corners[: int(count)]]))
-    return vertices, _stacked(faces)
+        polygons.append([int(corner) for corner in corners[: int(count)]])
+    return _split(vertices, polygons)
 
 
 def read_stl(content: bytes) -> Arrays:
@@ -154,9 +155,7 @@ def _refuse_coarse_float32(mesh: Mesh, what: str) -> None:
         )
 
 
-def _fan(polygon: list[int]) -> list[tuple[int, int, int]]:
-    return [(polygon[0], second, third) for second, third in pairwise(polygon[1:])]
-
-
-def _stacked(faces: list[tuple[int, int, int]]) -> IntArray:
-    return np.array(faces, dtype=np.int64).reshape(-1, 3)
+def _split(vertices: FloatArray, polygons: list[list[int]]) -> Arrays:
+    lengths = np.array([len(polygon) for polygon in polygons], dtype=np.int64)
+    corners = np.array(list(chain.from_iterable(polygons)), dtype=np.int64)
+    return vertices, triangulated(vertices, corners, lengths)

@@ -23,8 +23,8 @@ def load_mesh(path: str | os.PathLike[str], name: str | None = None) -> Mesh:
     """Read a mesh from a PLY, OBJ, OFF, STL or GLB file.
 
     Vertices keep their number and order, also those that no face uses; triangles keep theirs. Polygons are
-    split into triangles. The nodes of a GLB scene are moved to their place and appended. STL knows no shared
-    vertices: a file of m faces gives 3 m vertices.
+    split into fans of triangles, from a corner at which none folds over. The nodes of a GLB scene are moved
+    to their place and appended. STL knows no shared vertices: a file of m faces gives 3 m vertices.
 
     Parameters
     ----------

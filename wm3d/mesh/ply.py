@@ -12,6 +12,7 @@ import numpy as np
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.mesh.mesh import Mesh
+from wm3d.mesh.polygons import triangulated
 
 _NUMBERS = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -64,7 +65,7 @@ class Column(NamedTuple):
 
 
 def read_ply(content: bytes) -> tuple[FloatArray, IntArray]:
-    """Read PLY, ASCII or binary: vertices (n, 3) and triangles (m, 3), the fans of polygons in their order.
+    """Read PLY, ASCII or binary: vertices (n, 3) and triangles (m, 3), polygons being split in their order.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def read_ply(content: bytes) -> tuple[FloatArray, IntArray]:
         If the content does not fit its header, or a face has fewer than three corners.
     """
     elements, content = _header_and_body(content)
-    vertices, triangles = np.empty((0, 3)), np.empty((0, 3), np.int64)
+    vertices, corners, lengths = np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64)
     at = 0
     for element in elements:
         columns, at = _columns(content, at, element)
@@ -82,10 +83,10 @@ def read_ply(content: bytes) -> tuple[FloatArray, IntArray]:
             listed = next((p for p in element.properties if p.name in _CORNERS), None)
             if listed is None or listed.length is None:
                 raise ValueError("its faces list no vertex_indices")
-            triangles = _fans(content, columns[listed.name], listed.item)
+            corners, lengths = _corners(content, columns[listed.name], listed.item)
     if at != len(content):
         raise ValueError("it is longer than its header says")
-    return vertices, triangles
+    return vertices, triangulated(vertices, corners, lengths)
 
 
 def write_ply(mesh: Mesh) -> bytes:
@@ -204,17 +205,15 @@ def _coordinates(content: bytes, element: Element, columns: dict[str, Column]) -
     return np.stack(axes, axis=1).astype(np.float64)
 
 
-def _fans(content: bytes, polygons: Column, item: np.dtype) -> IntArray:
-    """Split polygons into triangles (m, 3), in their order."""
-    fewest = polygons.lengths.min()
-    if fewest < 3:
-        raise ValueError(f"a face of {fewest} corners")
-    ahead = np.cumsum(polygons.lengths - 2)
-    triangles = np.empty((ahead[-1], 3), np.int64)
-    for length in np.unique(polygons.lengths):
-        alike = polygons.lengths == length
-        corners = _values(content, polygons.starts[alike], int(length), item)
-        first = ahead[alike] - (length - 2)
-        for k in range(length - 2):
-            triangles[first + k] = corners[:, [0, k + 1, k + 2]]
-    return triangles
+def _corners(content: bytes, polygons: Column, item: np.dtype) -> tuple[IntArray, IntArray]:
+    """Return the corners of one polygon after the other, and how many each has."""
+    lengths = np.asarray(polygons.lengths, np.int64)
+    if lengths.min() < 3:
+        raise ValueError(f"a face of {lengths.min()} corners")
+    first = np.cumsum(lengths) - lengths
+    corners = np.empty(int(lengths.sum()), np.int64)
+    for length in np.unique(lengths):
+        alike = lengths == length
+        places = first[alike][:, None] + np.arange(length)
+        corners[places] = _values(content, polygons.starts[alike], int(length), item)
+    return corners, lengths
