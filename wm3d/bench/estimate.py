@@ -87,16 +87,17 @@ def _table(
     for heading in ("cells", "there", "trials", "s a trial"):
         output.add_column(heading, justify="right", no_wrap=True)
     absent = {cell.digest for cell in missing}
-    groups: dict[Setting, list[Cell]] = {}
+    groups: dict[str, list[Cell]] = {}
     for cell in cells:
         if setting(cell)[:2] == (mesh, scheme):
-            groups.setdefault(setting(cell), []).append(cell)
-    for names, group in groups.items():
+            kind = "calibration" if isinstance(cell, CalibrationCell) else cell.attack.label()
+            groups.setdefault(kind, []).append(cell)
+    for kind, group in groups.items():
         there = sum(cell.digest not in absent for cell in group)
-        cost = costs.get(names)
+        cost = None if kind == "calibration" else costs.get(setting(group[0]))
         took = "" if cost is None else cost.failure or f"{cost.trial:.2f}"
         trials = sum(cell.trials for cell in group)
-        output.add_row(names[2], str(len(group)), str(there), str(trials), took)
+        output.add_row(kind, str(len(group)), str(there), str(trials), took)
     return output
 
 

@@ -68,7 +68,10 @@ def attack(
     keep_original(source, target, "attacked mesh")
     check_target(target)
     mesh = read_mesh(source)
-    attacked = chosen(mesh, np.random.default_rng(seed))
+    try:
+        attacked = chosen(mesh, np.random.default_rng(seed))
+    except Wm3dError as error:  # the mesh itself was fine
+        raise Wm3dError(str(error) if name in str(error) else f"{name}: {error}") from error
     if not isinstance(attacked, Mesh):
         raise Wm3dError(f"{name}: returned a {type(attacked).__name__} in place of a mesh; mend that attack.")
     content = encode_mesh(attacked, target)
