@@ -3,7 +3,6 @@
 from typing import ClassVar, Literal
 
 import numpy as np
-from trimesh.remesh import subdivide, subdivide_loop
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.attacks.base import Attack
@@ -40,6 +39,8 @@ class Subdivide(Attack):
         if self.rule == "sqrt3":
             vertices, faces = sqrt3(mesh)
         elif self.rule == "midpoint":
+            from trimesh.remesh import subdivide  # which takes longer to load than most attacks to run
+
             vertices, faces = subdivide(mesh.vertices, mesh.faces)
         else:
             vertices, faces = _loop(mesh)
@@ -73,6 +74,8 @@ def sqrt3(mesh: Mesh) -> tuple[FloatArray, IntArray]:
 
 
 def _loop(mesh: Mesh) -> tuple[FloatArray, IntArray]:
+    from trimesh.remesh import subdivide_loop
+
     try:
         # without vertices of valence 0, by which trimesh would divide
         used = without_unused(mesh.vertices, without_collapsed(mesh.faces))

@@ -1,6 +1,7 @@
 """Mesh formats as bytes: PLY, OBJ, OFF, STL and GLB, with vertices and faces in the order of the file.
 
-trimesh does the work wherever it keeps that order. It does not in three places, which are written out: its
+trimesh does the work wherever it keeps that order, and is imported there, for it takes longer to load than a
+PLY file takes to read. It does not in three places, which are written out: its
 OBJ reader splits vertices by texture index and groups faces by material, its OFF reader takes a file that was
 cut short for a smaller mesh, and for PLY see `ply`.
 """
@@ -12,8 +13,6 @@ from collections.abc import Callable
 from itertools import chain
 
 import numpy as np
-import trimesh
-from trimesh.exchange.stl import load_stl
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.mesh.mesh import Mesh
@@ -75,6 +74,8 @@ def read_off(content: bytes) -> Arrays:
 
 def read_stl(content: bytes) -> Arrays:
     """Read STL, binary or ASCII: three vertices a face, in file order, nothing merged."""
+    from trimesh.exchange.stl import load_stl
+
     loaded = load_stl(io.BytesIO(content))
     solids = list(loaded["geometry"].values()) if "geometry" in loaded else [loaded]
     if not solids:
@@ -87,7 +88,9 @@ def read_glb(content: bytes) -> Arrays:
     """Read binary glTF 2: the triangle meshes of its scene, moved by their nodes, as trimesh walks them."""
     if b"KHR_draco_mesh_compression" in content or b"EXT_meshopt_compression" in content:
         raise ValueError("its geometry is compressed, which wm3d does not decode")
-    scene = trimesh.load_scene(io.BytesIO(content), file_type="glb", process=False, skip_materials=True)
+    from trimesh import load_scene
+
+    scene = load_scene(io.BytesIO(content), file_type="glb", process=False, skip_materials=True)
     mesh = scene.to_mesh()
     return np.asarray(mesh.vertices, np.float64).reshape(-1, 3), np.asarray(mesh.faces, np.int64).reshape(
         -1, 3
@@ -133,9 +136,9 @@ WRITERS: dict[str, Callable[[Mesh], bytes]] = {
 
 
 def _export(mesh: Mesh, file_type: str, **options: object) -> bytes:
-    exported = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(
-        file_type=file_type, **options
-    )
+    from trimesh import Trimesh
+
+    exported = Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type=file_type, **options)
     return exported.encode() if isinstance(exported, str) else bytes(exported)
 
 

@@ -9,7 +9,6 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-from trimesh.remesh import subdivide
 
 from wm3d.errors import Wm3dError
 from wm3d.mesh.io import load_mesh, save_mesh
@@ -84,6 +83,7 @@ def with_faces(mesh: Mesh, count: int) -> Mesh:
         Vertices that no face uses are dropped by the simplifier.
     """
     import fast_simplification
+    from trimesh.remesh import subdivide
 
     vertices, faces = np.array(mesh.vertices), np.array(mesh.faces)
     while len(faces) < count:

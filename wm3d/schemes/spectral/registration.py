@@ -2,8 +2,6 @@
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from trimesh.registration import procrustes
-from trimesh.transformations import transform_points
 
 from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
@@ -71,11 +69,15 @@ def _vertex_by_vertex(original: Mesh, suspect: Mesh) -> FloatArray:
 
 def _similarity(points: FloatArray, targets: FloatArray) -> FloatArray:
     """Return the similarity (4, 4), without reflection, that brings points nearest to their targets."""
+    from trimesh.registration import procrustes
+
     matrix: FloatArray = procrustes(points, targets, reflection=False, return_cost=False)
     return matrix
 
 
 def _apply(matrix: FloatArray, points: FloatArray) -> FloatArray:
+    from trimesh.transformations import transform_points
+
     moved: FloatArray = np.ascontiguousarray(transform_points(points, matrix))
     return moved
 
