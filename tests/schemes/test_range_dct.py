@@ -7,7 +7,7 @@ import pytest
 from plain import plain_z
 from scipy.spatial import KDTree
 from scipy.stats import kstest
-from shapes import blob, inside_out, rotation, soup
+from shapes import blob, inside_out, rotation, soup, together
 
 from wm3d.attacks import (
     Attack,
@@ -16,6 +16,7 @@ from wm3d.attacks import (
     Crop,
     GaussianNoise,
     HalfSpaceCrop,
+    MarchingCubes,
     Mirror,
     Pedestal,
     Reorder,
@@ -184,7 +185,7 @@ def test_reading_is_the_same_after_every_linear_map_and_in_every_order(attack, e
         (Crop(percent=30), 0.6),
         (Chain(then=(Crop(percent=30), Similarity())), 0.6),
         (Chain(then=(Mirror(), Crop(percent=40), Similarity())), 0.5),
-        (Chain(then=(Pedestal(percent=20), Similarity())), 0.6),
+        (Chain(then=(Pedestal(percent=20), MarchingCubes(cells=128), Similarity())), 0.6),  # one part
         (HalfSpaceCrop(percent=20), 0.6),
     ],
     ids=lambda value: value.label() if isinstance(value, Attack) else "",
@@ -193,6 +194,30 @@ def test_mark_is_found_where_the_moments_mislead(attack, kept, embedded):
     marked, scheme = embedded
     z = plain_z(scheme, attack(marked, np.random.default_rng(2)), 1)
     assert z > kept * plain_z(scheme, marked, 1)
+
+
+@pytest.mark.parametrize("added", [Pedestal(percent=40), lambda mesh, _: beside_a_larger(mesh)])
+def test_among_added_parts_the_marked_one_is_read_alone_and_all_count_as_tries(added, embedded, evidence):
+    marked, scheme = embedded
+    rng = np.random.default_rng(3)
+    there, signs = scheme.evidence(Similarity()(added(marked, rng), rng)), scheme.signs(1)
+    assert there.score(signs).z == pytest.approx(evidence.score(signs).z, rel=1e-6)
+    assert there.tries == (1 if isinstance(added, Pedestal) else 2)  # a box is too simple to be looked at
+
+
+def beside_a_larger(mesh: Mesh) -> Mesh:
+    other = blob(3, 5)
+    return together(mesh, other.with_vertices(1.7 * other.vertices + [4, 1, 0]))
+
+
+def test_an_original_of_several_parts_is_read_as_a_whole():
+    other = blob(3, 4)
+    pair = together(SMALL, other.with_vertices(0.5 * other.vertices + [2.2, 0, 0]))
+    marked, scheme = SCHEME.embed(pair, 1)
+    attack = Chain(then=(GaussianNoise(percent=0.1), Similarity()))
+    there = scheme.evidence(attack(marked, np.random.default_rng(0)))
+    assert there.tries == 1
+    assert there.score(scheme.signs(1)).z > 0.5 * scheme.score(marked, 1).z
 
 
 def test_a_smooth_model_that_lost_a_part_and_was_turned_is_searched_for():

@@ -20,7 +20,7 @@ from wm3d.mesh.moments import (
 )
 from wm3d.mesh.normals import vertex_normals
 from wm3d.mesh.places import places, sewn
-from wm3d.mesh.repair import whole_surface
+from wm3d.mesh.repair import solid_parts, whole_surface
 from wm3d.mesh.sampling import surface_points
 from wm3d.mesh.solid import SolidMoments, solid_moments, whitening
 
@@ -47,6 +47,7 @@ __all__ = [
     "sewn",
     "signed_volume",
     "solid_moments",
+    "solid_parts",
     "surface_area",
     "surface_points",
     "vertex_moments",

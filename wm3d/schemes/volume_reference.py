@@ -10,12 +10,21 @@ from wm3d.arrays import FloatArray
 from wm3d.errors import NoSolidError
 from wm3d.imagemarks.blocks import BLOCK
 from wm3d.imagemarks.fine_signs import FineSigns
-from wm3d.mesh import Mesh, SolidMoments
+from wm3d.mesh import Mesh, SolidMoments, solid_parts
 from wm3d.mesh.solid import ENTRIES
 from wm3d.packing import unpacked
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, mirror_image, recognized
 from wm3d.scanner.denoise import denoised
-from wm3d.scanner.registration import Landmarks, Surface, Warp, nearest, registered
+from wm3d.scanner.registration import (
+    SURE,
+    Fit,
+    Landmarks,
+    Surface,
+    Warp,
+    nearest,
+    posed,
+    registered,
+)
 from wm3d.scanner.scan import MAX_GRID
 
 FARTHEST = 1e60
@@ -49,6 +58,28 @@ class Laid(NamedTuple):
     mesh: Mesh
     vertices: FloatArray
     tries: int
+
+
+class _Suspect(NamedTuple):
+    """What is laid over the landmarks: a mesh, its surface, the poses it may have, the likeliest first.
+
+    `tries` is how many poses the landmarks chose that one from.
+    """
+
+    mesh: Mesh
+    surface: Surface
+    poses: list[Warp]
+    tries: int
+
+    def fit(self, landmarks: Landmarks) -> Fit:
+        """Return the best fit from the poses, without a search."""
+        return max((posed(self.surface, landmarks, pose) for pose in self.poses), key=lambda fit: fit.share)
+
+    def laid(self, found: Fit, times: int = 1) -> Laid:
+        """Return the mesh as a fit lays it, one of so many suspects."""
+        vertices = found.warp(self.surface.placed(self.mesh.vertices))
+        mesh = mirror_image(self.mesh) if found.warp.mirrors else self.mesh
+        return Laid(mesh, vertices, times * self.tries)
 
 
 class Reference(BaseModel):
@@ -123,16 +154,29 @@ class Reference(BaseModel):
         the surface: on an unmarked one, too, that key does better there than in the others. So all of them
         count as tries. Of other solids that must be searched for the mirror image is searched for, too: no
         moments tell what is a part of one. What bounds no solid, as what one view of a scanner saw, has no
-        moments: the landmarks alone must tell where it lies.
+        moments: the landmarks alone must tell where it lies. Where the whole is not the solid, but one of its
+        parts is, the others were added, as a base or as objects beside it: that part is read alone, and each
+        one that was looked at counts as a try, too.
         """
-        landmarks, moments = Landmarks.decode(self.landmarks), SolidMoments.of_entries(self.moments)
+        landmarks = Landmarks.decode(self.landmarks)
+        suspect = self._suspect(mesh, landmarks)
+        parts = solid_parts(mesh)
+        if parts and not posed(suspect.surface, landmarks, suspect.poses[0]).exact:
+            alone = [self._suspect(part, landmarks) for part in parts]
+            fits = [one.fit(landmarks) for one in (suspect, *alone)]
+            best = max(range(len(fits)), key=lambda k: (fits[k].share, k))
+            if best > 0 and fits[best].share >= SURE:
+                return alone[best - 1].laid(fits[best], len(parts))
+        return suspect.laid(registered(suspect.surface, landmarks, suspect.poses, mirrored=self.ways == 1))
+
+    def _suspect(self, mesh: Mesh, landmarks: Landmarks) -> "_Suspect":
         frames: list[AffineFrame] = []
         with suppress(NoSolidError):
-            mesh, frames = recognized(denoised(mesh, self.area), moments, self.ways)
+            mesh, frames = recognized(
+                denoised(mesh, self.area), SolidMoments.of_entries(self.moments), self.ways
+            )
         surface = Surface.of(mesh)
         poses = [self.home_pose(surface)]
         if frames:
             poses.insert(0, nearest(surface, landmarks, [self.pose(frame, surface) for frame in frames]))
-        found = registered(surface, landmarks, poses, mirrored=self.ways == 1)
-        vertices = found.warp(surface.placed(mesh.vertices))
-        return Laid(mirror_image(mesh) if found.warp.mirrors else mesh, vertices, len(frames) or self.ways)
+        return _Suspect(mesh, surface, poses, len(frames) or self.ways)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from shapes import blob, box, icosphere, inside_out, together
+from shapes import blob, box, icosphere, inside_out, soup, together
 
-from wm3d.mesh import Mesh, signed_volume, whole_surface
+from wm3d.mesh import Mesh, signed_volume, solid_parts, whole_surface
 from wm3d.mesh.repair.kernels import closed_volumes, face_parts
 from wm3d.mesh.repair.parts import part_turns
 
@@ -42,6 +42,20 @@ def test_an_open_part_stays():
     upper = BALL.vertices[BALL.faces].mean(axis=1)[:, 2] > 0.3
     mesh = together(BALL, moved(inside_out(Mesh(BALL.vertices, BALL.faces[upper])), 5))
     assert (part_turns(mesh.vertices, mesh.faces) == 1).all()
+
+
+def test_solid_parts_are_the_closed_ones_of_many_faces_largest_first():
+    upper = BALL.vertices[BALL.faces].mean(axis=1)[:, 2] > -0.9
+    bowl = Mesh(BALL.vertices, BALL.faces[upper])
+    large, small = icosphere(4), moved(blob(0, 3), 5)
+    mesh = together(moved(bowl, -5), small, large, moved(box(), 9))
+    for stored in (mesh, soup(mesh)):
+        found = solid_parts(stored)
+        assert [len(part.faces) for part in found] == [len(large.faces), len(small.faces)]
+        assert [signed_volume(part) for part in found] == pytest.approx(
+            [signed_volume(large), signed_volume(small)]
+        )
+    assert solid_parts(large) == solid_parts(soup(large)) == []
 
 
 def test_kernels_number_and_measure_parts_as_scipy_and_each_mesh_alone_do():

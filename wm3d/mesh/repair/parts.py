@@ -1,12 +1,17 @@
-"""Closed parts of a mesh, as objects beside each other: which of them are wound against the largest."""
+"""Closed parts of a mesh, as objects beside each other: how they are wound, and each alone."""
 
 import numpy as np
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.mesh.mesh import Mesh
+from wm3d.mesh.places import places
 from wm3d.mesh.repair.kernels import closed_volumes, face_parts
 
 SPLINTER = 0.01
 """Share of the largest part's volume below which a part stays as it is: no moment feels it."""
+
+LEAST_FACES, MOST_PARTS = 500, 8
+"""Which parts `solid_parts` returns."""
 
 
 def part_turns(vertices: FloatArray, faces: IntArray) -> IntArray:
@@ -36,6 +41,24 @@ def part_turns(vertices: FloatArray, faces: IntArray) -> IntArray:
                 turns[one] = turns[around[-1]] if around else np.sign(volume[one] * volume[large[0]])
     turned: IntArray = turns[part]
     return turned
+
+
+def solid_parts(mesh: Mesh) -> list[Mesh]:
+    """Return the closed parts of a mesh of several, over the same vertices, those of most faces first.
+
+    Up to `MOST_PARTS` of at least `LEAST_FACES`: fewer faces carry no mark.
+    """
+    part, parts = face_parts(len(mesh.vertices), mesh.faces)
+    if parts == 1:
+        return []
+    first, place = places(mesh.vertices)
+    corners = place[mesh.faces]
+    part, parts = face_parts(len(first), corners)
+    closed = closed_volumes(mesh.vertices[first], corners, part, parts) != 0
+    faces = np.where(closed, np.bincount(part), 0)
+    order = np.argsort(-faces, kind="stable")[:MOST_PARTS]
+    alone = [Mesh(mesh.vertices, mesh.faces[part == k], mesh.name) for k in order if faces[k] >= LEAST_FACES]
+    return alone if parts > 1 else []
 
 
 def _is_inside(point: FloatArray, corners: FloatArray) -> bool:

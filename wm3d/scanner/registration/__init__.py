@@ -1,9 +1,9 @@
 """Registration: a mesh is laid over a few points that a key holds of the marked surface."""
 
-from wm3d.scanner.registration.fit import nearest
+from wm3d.scanner.registration.fit import Fit, nearest
 from wm3d.scanner.registration.landmarks import Landmarks
-from wm3d.scanner.registration.register import registered
+from wm3d.scanner.registration.register import SURE, posed, registered
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
 
-__all__ = ["Landmarks", "Surface", "Warp", "nearest", "registered"]
+__all__ = ["SURE", "Fit", "Landmarks", "Surface", "Warp", "nearest", "posed", "registered"]

@@ -23,10 +23,11 @@ NEAR = 0.02
 
 
 class Fit(NamedTuple):
-    """A warp, and its `share_met`."""
+    """A warp, its `share_met`, and whether it is a pose that was right as it came."""
 
     warp: Warp
     share: float
+    exact: bool = False
 
 
 class _Match(NamedTuple):

@@ -79,10 +79,8 @@ def registered(
     for pose in poses:
         if np.linalg.cond(pose.matrix) > FLATTENING:
             continue  # the moments of another model may be met best by one pressed flat
-        if share_met(surface, landmarks, pose, EXACT) > 0.5:
-            return Fit(pose, share_met(surface, landmarks, pose))
-        fits.append(_best([Fit(pose, share_met(surface, landmarks, pose)), *_bent(surface, landmarks, pose)]))
-        if fits[-1].share >= SURE:
+        fits.append(posed(surface, landmarks, pose))
+        if fits[-1].exact or fits[-1].share >= SURE:
             return fits[-1]
     best = _best([*fits, *_searched(surface, landmarks, Search(mirrored=False, whole=False))])
     for search in FURTHER:
@@ -94,6 +92,13 @@ def registered(
         if others and _best(others).share > best.share + UNLIKELY:
             best = _best(others)
     return best
+
+
+def posed(surface: Surface, landmarks: Landmarks, pose: Warp) -> Fit:
+    """Return a pose as it is where it lays half of a surface right over landmarks, else the best fit near."""
+    exact = share_met(surface, landmarks, pose, EXACT) > 0.5
+    met = Fit(pose, share_met(surface, landmarks, pose), exact)
+    return met if exact else _best([met, *_bent(surface, landmarks, pose)])
 
 
 def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> list[Fit]:
