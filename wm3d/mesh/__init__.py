@@ -20,13 +20,14 @@ from wm3d.mesh.moments import (
 )
 from wm3d.mesh.normals import vertex_normals
 from wm3d.mesh.places import places, sewn
-from wm3d.mesh.repair import solid_parts, whole_surface
+from wm3d.mesh.repair import Part, large_parts, whole_surface
 from wm3d.mesh.sampling import surface_points
 from wm3d.mesh.solid import SolidMoments, solid_moments, whitening
 
 __all__ = [
     "ENDINGS",
     "Mesh",
+    "Part",
     "Secret",
     "SolidMoments",
     "VertexMoments",
@@ -40,6 +41,7 @@ __all__ = [
     "has_area",
     "is_balanced",
     "is_closed",
+    "large_parts",
     "load_mesh",
     "orientation",
     "places",
@@ -47,7 +49,6 @@ __all__ = [
     "sewn",
     "signed_volume",
     "solid_moments",
-    "solid_parts",
     "surface_area",
     "surface_points",
     "vertex_moments",

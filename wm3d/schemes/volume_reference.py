@@ -10,13 +10,15 @@ from wm3d.arrays import FloatArray
 from wm3d.errors import NoSolidError
 from wm3d.imagemarks.blocks import BLOCK
 from wm3d.imagemarks.fine_signs import FineSigns
-from wm3d.mesh import Mesh, SolidMoments, solid_parts
+from wm3d.mesh import Mesh, Part, SolidMoments, large_parts, surface_area
 from wm3d.mesh.solid import ENTRIES
 from wm3d.packing import unpacked
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, mirror_image, recognized
 from wm3d.scanner.denoise import denoised
 from wm3d.scanner.registration import (
+    DOUBTFUL,
     SURE,
+    UNLIKELY,
     Fit,
     Landmarks,
     Surface,
@@ -30,6 +32,9 @@ from wm3d.scanner.scan import MAX_GRID
 FARTHEST = 1e60
 """Bound of the entries of a stored pose, and 1 over it of its matrix: squares of the places that it leads to
 and comes from are finite, whatever the unit of the mesh."""
+
+MOST = 0.9
+"""Share of the surface from which a part is all but the whole, and not searched for alone."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
 Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
@@ -155,19 +160,32 @@ class Reference(BaseModel):
         count as tries. Of other solids that must be searched for the mirror image is searched for, too: no
         moments tell what is a part of one. What bounds no solid, as what one view of a scanner saw, has no
         moments: the landmarks alone must tell where it lies. Where the whole is not the solid, but one of its
-        parts is, the others were added, as a base or as objects beside it: that part is read alone, and each
-        one that was looked at counts as a try, too.
+        parts is, the others were added, as a base or as objects beside it: that part is read alone, and the
+        whole and all parts count as tries, too.
         """
         landmarks = Landmarks.decode(self.landmarks)
-        suspect = self._suspect(mesh, landmarks)
-        parts = solid_parts(mesh)
-        if parts and not posed(suspect.surface, landmarks, suspect.poses[0]).exact:
-            alone = [self._suspect(part, landmarks) for part in parts]
-            fits = [one.fit(landmarks) for one in (suspect, *alone)]
-            best = max(range(len(fits)), key=lambda k: (fits[k].share, k))
-            if best > 0 and fits[best].share >= SURE:
-                return alone[best - 1].laid(fits[best], len(parts))
-        return suspect.laid(registered(suspect.surface, landmarks, suspect.poses, mirrored=self.ways == 1))
+        suspect, parts = self._suspect(mesh, landmarks), large_parts(mesh)
+        if parts and (alone := self._alone(suspect, parts, landmarks)):
+            return alone
+        found = registered(suspect.surface, landmarks, suspect.poses, mirrored=self.ways == 1)
+        # perhaps of a part that lost a part itself
+        if parts and found.share < DOUBTFUL and surface_area(parts[0].mesh) < MOST * surface_area(mesh):
+            part = self._suspect(parts[0].mesh, landmarks)
+            fit = registered(part.surface, landmarks, part.poses, mirrored=self.ways == 1)
+            if fit.share > found.share + UNLIKELY:
+                return part.laid(fit, 1 + len(parts))
+        return suspect.laid(found)
+
+    def _alone(self, whole: "_Suspect", parts: list[Part], landmarks: Landmarks) -> Laid | None:
+        """Lay the closed part that meets the landmarks better than the whole, by its own moments; or none."""
+        if posed(whole.surface, landmarks, whole.poses[0]).exact:
+            return None
+        suspects = [whole, *(self._suspect(part.mesh, landmarks) for part in parts if part.closed)]
+        fits = [one.fit(landmarks) for one in suspects]
+        best = max(range(len(fits)), key=lambda k: (fits[k].share, k))
+        return (
+            suspects[best].laid(fits[best], 1 + len(parts)) if best > 0 and fits[best].share >= SURE else None
+        )
 
     def _suspect(self, mesh: Mesh, landmarks: Landmarks) -> "_Suspect":
         frames: list[AffineFrame] = []

@@ -6,8 +6,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from shapes import blob, box, icosphere, inside_out, soup, together
 
-from wm3d.mesh import Mesh, signed_volume, solid_parts, whole_surface
-from wm3d.mesh.repair.kernels import closed_volumes, face_parts
+from wm3d.mesh import Mesh, large_parts, signed_volume, whole_surface
+from wm3d.mesh.repair.kernels import face_parts, part_volumes
 from wm3d.mesh.repair.parts import part_turns
 
 
@@ -44,18 +44,27 @@ def test_an_open_part_stays():
     assert (part_turns(mesh.vertices, mesh.faces) == 1).all()
 
 
-def test_solid_parts_are_the_closed_ones_of_many_faces_largest_first():
+def test_a_crumb_beside_a_large_open_part_stays():
+    upper = BALL.vertices[BALL.faces].mean(axis=1)[:, 2] > 0.3
+    crumbs = together(moved(TINY, 3), moved(inside_out(TINY), 5))
+    mesh = together(Mesh(BALL.vertices, BALL.faces[upper]), crumbs)
+    assert (part_turns(mesh.vertices, mesh.faces) == 1).all()
+
+
+def test_large_parts_are_those_of_many_faces_largest_first_and_tell_whether_they_are_closed():
     upper = BALL.vertices[BALL.faces].mean(axis=1)[:, 2] > -0.9
     bowl = Mesh(BALL.vertices, BALL.faces[upper])
     large, small = icosphere(4), moved(blob(0, 3), 5)
     mesh = together(moved(bowl, -5), small, large, moved(box(), 9))
     for stored in (mesh, soup(mesh)):
-        found = solid_parts(stored)
-        assert [len(part.faces) for part in found] == [len(large.faces), len(small.faces)]
-        assert [signed_volume(part) for part in found] == pytest.approx(
-            [signed_volume(large), signed_volume(small)]
-        )
-    assert solid_parts(large) == solid_parts(soup(large)) == []
+        found = large_parts(stored)
+        assert [(len(part.mesh.faces), part.closed) for part in found] == [
+            (len(large.faces), True),
+            (len(small.faces), True),
+            (len(bowl.faces), False),
+        ]
+        assert signed_volume(found[0].mesh) == pytest.approx(signed_volume(large))
+    assert large_parts(large) == large_parts(soup(large)) == []
 
 
 def test_kernels_number_and_measure_parts_as_scipy_and_each_mesh_alone_do():
@@ -67,7 +76,8 @@ def test_kernels_number_and_measure_parts_as_scipy_and_each_mesh_alone_do():
     count, label = connected_components(links, directed=False)
     assert parts == count == 3
     assert len(np.unique(np.column_stack([part, label[faces[:, 0]]]), axis=0)) == 3
-    volumes = closed_volumes(mesh.vertices, faces, part, parts)
+    volumes, closed = part_volumes(mesh.vertices, faces, part, parts)
     assert sorted(volumes) == pytest.approx(sorted(map(signed_volume, meshes)), rel=1e-9)
-    opened = closed_volumes(mesh.vertices, faces[1:], *face_parts(len(mesh.vertices), faces[1:]))
+    assert closed.all()
+    _, opened = part_volumes(mesh.vertices, faces[1:], *face_parts(len(mesh.vertices), faces[1:]))
     assert np.count_nonzero(opened) == 2

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from wm3d.arrays import FloatArray, IntArray
+from wm3d.arrays import BoolArray, FloatArray, IntArray
 from wm3d.mesh.kernels import cone, directed, mixed
 
 
@@ -66,8 +66,12 @@ def _root(above: IntArray, node: int) -> int:
 
 
 @njit(cache=True)
-def closed_volumes(vertices: FloatArray, faces: IntArray, part: IntArray, parts: int) -> FloatArray:
-    """Return the signed volume of each part that is closed and wound alike, 0 for the others: (parts,).
+def part_volumes(
+    vertices: FloatArray, faces: IntArray, part: IntArray, parts: int
+) -> tuple[FloatArray, BoolArray]:
+    """Return the signed volume of each part, and whether it is closed and wound alike: (parts,) each.
+
+    The volume of an open part is that of the cones from one of its vertices.
 
     Parameters
     ----------
@@ -85,10 +89,7 @@ def closed_volumes(vertices: FloatArray, faces: IntArray, part: IntArray, parts:
         volumes[k] += cone(vertices, faces, f, vertices[apex[k]]) / 6.0
         a, b, c = np.uint64(faces[f, 0]), np.uint64(faces[f, 1]), np.uint64(faces[f, 2])
         edges[k] += directed(a, b) + directed(b, c) + directed(c, a)  # as `wm3d.mesh.kernels.edge_sum`
-    for k in range(parts):
-        if edges[k] != 0:
-            volumes[k] = 0.0
-    return volumes
+    return volumes, edges == 0
 
 
 @njit(cache=True)

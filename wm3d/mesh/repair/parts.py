@@ -1,17 +1,19 @@
-"""Closed parts of a mesh, as objects beside each other: how they are wound, and each alone."""
+"""Parts of a mesh, as objects beside each other: how they are wound, and each alone."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.places import places
-from wm3d.mesh.repair.kernels import closed_volumes, face_parts
+from wm3d.mesh.repair.kernels import face_parts, part_volumes
 
 SPLINTER = 0.01
-"""Share of the largest part's volume below which a part stays as it is: no moment feels it."""
+"""Share of the volume of the largest part, open or not, below which a part stays: no moment feels it."""
 
 LEAST_FACES, MOST_PARTS = 500, 8
-"""Which parts `solid_parts` returns."""
+"""Which parts `large_parts` returns."""
 
 
 def part_turns(vertices: FloatArray, faces: IntArray) -> IntArray:
@@ -30,10 +32,10 @@ def part_turns(vertices: FloatArray, faces: IntArray) -> IntArray:
     part, parts = face_parts(len(vertices), faces)
     turns = np.ones(parts, dtype=np.int64)
     if parts > 1:
-        volume = closed_volumes(vertices, faces, part, parts)
+        volume, closed = part_volumes(vertices, faces, part, parts)
         size = np.abs(volume)
         order = np.argsort(-size, kind="stable")
-        large = order[size[order] > SPLINTER * size[order[0]]]
+        large = order[closed[order] & (size[order] > SPLINTER * size.max())]
         if np.unique(np.sign(volume[large])).size > 1:
             corner = vertices[faces[np.unique(part, return_index=True)[1], 0]]
             for i, one in enumerate(large):
@@ -43,22 +45,33 @@ def part_turns(vertices: FloatArray, faces: IntArray) -> IntArray:
     return turned
 
 
-def solid_parts(mesh: Mesh) -> list[Mesh]:
-    """Return the closed parts of a mesh of several, over the same vertices, those of most faces first.
+class Part(NamedTuple):
+    """What hangs together of a mesh of several parts, over its vertices, and whether that is closed."""
+
+    mesh: Mesh
+    closed: bool
+
+
+def large_parts(mesh: Mesh) -> list[Part]:
+    """Return the parts of a mesh, those of most faces first; none if it is one part.
 
     Up to `MOST_PARTS` of at least `LEAST_FACES`: fewer faces carry no mark.
     """
-    part, parts = face_parts(len(mesh.vertices), mesh.faces)
-    if parts == 1:
+    if face_parts(len(mesh.vertices), mesh.faces)[1] == 1:
         return []
     first, place = places(mesh.vertices)
     corners = place[mesh.faces]
     part, parts = face_parts(len(first), corners)
-    closed = closed_volumes(mesh.vertices[first], corners, part, parts) != 0
-    faces = np.where(closed, np.bincount(part), 0)
+    if parts == 1:
+        return []
+    _, closed = part_volumes(mesh.vertices[first], corners, part, parts)
+    faces = np.bincount(part)
     order = np.argsort(-faces, kind="stable")[:MOST_PARTS]
-    alone = [Mesh(mesh.vertices, mesh.faces[part == k], mesh.name) for k in order if faces[k] >= LEAST_FACES]
-    return alone if parts > 1 else []
+    return [
+        Part(Mesh(mesh.vertices, mesh.faces[part == k], mesh.name), bool(closed[k]))
+        for k in order
+        if faces[k] >= LEAST_FACES
+    ]
 
 
 def _is_inside(point: FloatArray, corners: FloatArray) -> bool:

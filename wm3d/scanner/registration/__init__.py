@@ -2,8 +2,19 @@
 
 from wm3d.scanner.registration.fit import Fit, nearest
 from wm3d.scanner.registration.landmarks import Landmarks
-from wm3d.scanner.registration.register import SURE, posed, registered
+from wm3d.scanner.registration.register import DOUBTFUL, SURE, UNLIKELY, posed, registered
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
 
-__all__ = ["SURE", "Fit", "Landmarks", "Surface", "Warp", "nearest", "posed", "registered"]
+__all__ = [
+    "DOUBTFUL",
+    "SURE",
+    "UNLIKELY",
+    "Fit",
+    "Landmarks",
+    "Surface",
+    "Warp",
+    "nearest",
+    "posed",
+    "registered",
+]
