@@ -21,6 +21,7 @@ from wm3d.attacks import (
     Attack,
     Bend,
     Chain,
+    Companion,
     Crop,
     DropFaces,
     HalfSpaceCrop,
@@ -56,6 +57,7 @@ STRONGEST: dict[str, Attack] = {
     "crop": Crop(percent=50),
     "drop-faces": DropFaces(percent=20),
     "pedestal": Pedestal(axis="y"),
+    "companion": Companion(percent=40),
     # the pictures look along z, which is the default axis of the deformations
     "stretch": Stretch(axis="y"),
     "shear": Shear(axis="x"),
@@ -130,7 +132,7 @@ def main() -> None:
         if wanted and name not in wanted:
             continue
         result = attacked(mesh, attack)
-        framed = result if attack.turns else mesh
+        framed = result if attack.turns or isinstance(attack, Companion) else mesh
         write_whole(OUT / f"{name}.png", picture(result, framed, SPOTS.get(name, SPOT)))
         size = (OUT / f"{name}.png").stat().st_size
         print(f"{name}: {attack.label()}, {len(result.faces)} faces, {size} bytes", flush=True)

@@ -1,5 +1,6 @@
 """Attacks: attack(mesh, rng) -> mesh, one file a family."""
 
+from wm3d.attacks.added import Companion, Pedestal
 from wm3d.attacks.base import Attack, Clean, Owner
 from wm3d.attacks.chain import Chain
 from wm3d.attacks.cropping import Crop, HalfSpaceCrop
@@ -11,7 +12,6 @@ from wm3d.attacks.marking import Collusion, Remark
 from wm3d.attacks.mirror import Mirror
 from wm3d.attacks.noise import GaussianNoise, Noise, UniformNoise
 from wm3d.attacks.order import Reorder
-from wm3d.attacks.pedestal import Pedestal
 from wm3d.attacks.printing import PrintScan
 from wm3d.attacks.quantization import Float32, Quantize
 from wm3d.attacks.remeshing import IsotropicRemesh, ScreenedPoisson
@@ -31,6 +31,7 @@ __all__ = [
     "Chain",
     "Clean",
     "Collusion",
+    "Companion",
     "Crop",
     "Draco",
     "DropFaces",

@@ -1,5 +1,6 @@
 """All attacks that a chain can hold: every one but the chain itself."""
 
+from wm3d.attacks.added import Companion, Pedestal
 from wm3d.attacks.base import Attack, Clean
 from wm3d.attacks.cropping import Crop, HalfSpaceCrop
 from wm3d.attacks.deformation import Bend, Shear, Stretch, Twist
@@ -9,7 +10,6 @@ from wm3d.attacks.marking import Collusion, Remark
 from wm3d.attacks.mirror import Mirror
 from wm3d.attacks.noise import GaussianNoise, UniformNoise
 from wm3d.attacks.order import Reorder
-from wm3d.attacks.pedestal import Pedestal
 from wm3d.attacks.printing import PrintScan
 from wm3d.attacks.quantization import Float32, Quantize
 from wm3d.attacks.remeshing import IsotropicRemesh, ScreenedPoisson
@@ -35,6 +35,7 @@ BUILTIN: tuple[type[Attack], ...] = (
     Crop,
     HalfSpaceCrop,
     Pedestal,
+    Companion,
     Similarity,
     Mirror,
     Stretch,

@@ -1,10 +1,11 @@
-"""Parts added: a base glued on, as models get for printing and for display."""
+"""Parts added: a base glued on, as models get for printing and for display, or another object beside."""
 
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
+from wm3d.arrays import FloatArray, IntArray
 from wm3d.attacks.base import Attack
 from wm3d.attacks.deformation import Axis
 from wm3d.mesh import Mesh, orientation
@@ -47,8 +48,42 @@ class Pedestal(Attack):
         greatest[up] = low[up] + MARGIN * height
         least[up] = greatest[up] - height
         faces = np.vstack([_QUADS[:, [0, 1, 2]], _QUADS[:, [0, 2, 3]]])[:, :: orientation(mesh)]
-        return Mesh(
-            np.vstack([mesh.vertices, least + _CORNERS * (greatest - least)]),
-            np.vstack([mesh.faces, len(mesh.vertices) + faces]),
-            mesh.name,
-        )
+        return _together(mesh, least + _CORNERS * (greatest - least), faces)
+
+
+class Companion(Attack):
+    """A ball of 20,480 faces beside the model; a part of its own in the same mesh, as the objects of a scene.
+
+    Attributes
+    ----------
+    percent : float
+        Diameter of the ball in percent of the diagonal of the bounding box.
+    axis : "x", "y" or "z"
+        Along which it lies behind the model, a twentieth of the diagonal away.
+    """
+
+    name: Literal["companion"] = "companion"
+    random: ClassVar[bool] = False
+    legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
+
+    percent: Annotated[float, Field(ge=0)] = 50.0
+    axis: Axis = "x"
+
+    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (nothing is random)
+        """Return the model and the ball; see `Attack`."""
+        if self.percent == 0:
+            return mesh
+        from trimesh.creation import icosphere
+
+        ball, radius = icosphere(subdivisions=5), self.percent / 200 * mesh.diagonal
+        low, high = mesh.vertices[mesh.used].min(axis=0), mesh.vertices[mesh.used].max(axis=0)
+        middle, along = (low + high) / 2, "xyz".index(self.axis)
+        middle[along] = high[along] + MARGIN * mesh.diagonal + radius
+        return _together(mesh, middle + radius * ball.vertices, ball.faces[:, :: orientation(mesh)])
+
+
+def _together(mesh: Mesh, vertices: FloatArray, faces: IntArray) -> Mesh:
+    return Mesh(
+        np.vstack([mesh.vertices, vertices]), np.vstack([mesh.faces, len(mesh.vertices) + faces]), mesh.name
+    )
