@@ -33,7 +33,7 @@ FARTHEST = 1e60
 """Bound of the entries of a stored pose, and 1 over it of its matrix: squares of the places that it leads to
 and comes from are finite, whatever the unit of the mesh."""
 
-MOST = 0.9
+NEARLY_ALL = 0.9
 """Share of the surface from which a part is all but the whole, and not searched for alone."""
 
 GridSize = Annotated[int, Field(ge=BLOCK, le=MAX_GRID, multiple_of=BLOCK)]
@@ -169,7 +169,7 @@ class Reference(BaseModel):
             return alone
         found = registered(suspect.surface, landmarks, suspect.poses, mirrored=self.ways == 1)
         # perhaps of a part that lost a part itself
-        if parts and found.share < DOUBTFUL and surface_area(parts[0].mesh) < MOST * surface_area(mesh):
+        if parts and found.share < DOUBTFUL and surface_area(parts[0].mesh) < NEARLY_ALL * surface_area(mesh):
             part = self._suspect(parts[0].mesh, landmarks)
             fit = registered(part.surface, landmarks, part.poses, mirrored=self.ways == 1)
             if fit.share > found.share + UNLIKELY:
