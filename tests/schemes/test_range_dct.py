@@ -215,10 +215,11 @@ def test_an_original_of_several_parts_is_read_as_a_whole():
     other = blob(3, 4)
     pair = together(SMALL, other.with_vertices(0.5 * other.vertices + [2.2, 0, 0]))
     marked, scheme = SCHEME.embed(pair, 1)
-    attack = Chain(then=(GaussianNoise(percent=0.1), Similarity()))
-    there = scheme.evidence(attack(marked, np.random.default_rng(0)))
-    assert there.tries == 1
-    assert there.score(scheme.signs(1)).z > 0.5 * scheme.score(marked, 1).z
+    for attack, tries in ((GaussianNoise(percent=0.1), 1), (Bend(degrees=10), 3)):  # the whole and each part
+        attacked = Chain(then=(attack, Similarity()))(marked, np.random.default_rng(0))
+        there = scheme.evidence(attacked)
+        assert there.tries == tries
+        assert there.score(scheme.signs(1)).z > 0.5 * scheme.score(marked, 1).z
 
 
 def test_a_smooth_model_that_lost_a_part_and_was_turned_is_searched_for():

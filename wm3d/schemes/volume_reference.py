@@ -160,32 +160,33 @@ class Reference(BaseModel):
         count as tries. Of other solids that must be searched for the mirror image is searched for, too: no
         moments tell what is a part of one. What bounds no solid, as what one view of a scanner saw, has no
         moments: the landmarks alone must tell where it lies. Where the whole is not the solid, but one of its
-        parts is, the others were added, as a base or as objects beside it: that part is read alone, and the
-        whole and all parts count as tries, too.
+        parts is, the others were added, as a base or as objects beside it: that part is read alone. The whole
+        and all parts that are compared count as tries, too.
         """
         landmarks = Landmarks.decode(self.landmarks)
-        suspect, parts = self._suspect(mesh, landmarks), large_parts(mesh)
-        if parts and (alone := self._alone(suspect, parts, landmarks)):
-            return alone
-        found = registered(suspect.surface, landmarks, suspect.poses, mirrored=self.ways == 1)
-        # perhaps of a part that lost a part itself
-        if parts and found.share < DOUBTFUL and surface_area(parts[0].mesh) < NEARLY_ALL * surface_area(mesh):
-            part = self._suspect(parts[0].mesh, landmarks)
-            fit = registered(part.surface, landmarks, part.poses, mirrored=self.ways == 1)
-            if fit.share > found.share + UNLIKELY:
-                return part.laid(fit, 1 + len(parts))
-        return suspect.laid(found)
+        whole, parts = self._suspect(mesh, landmarks), large_parts(mesh)
+        if parts and not posed(whole.surface, landmarks, whole.poses[0]).exact:
+            return self._amid(whole, parts, landmarks)
+        return whole.laid(self._registered(whole, landmarks))
 
-    def _alone(self, whole: "_Suspect", parts: list[Part], landmarks: Landmarks) -> Laid | None:
-        """Lay the closed part that meets the landmarks better than the whole, by its own moments; or none."""
-        if posed(whole.surface, landmarks, whole.poses[0]).exact:
-            return None
+    def _amid(self, whole: "_Suspect", parts: list[Part], landmarks: Landmarks) -> Laid:
+        """Lay a mesh of several parts, or one of these alone: each closed one by its own moments, too."""
+        tries = 1 + len(parts)
         suspects = [whole, *(self._suspect(part.mesh, landmarks) for part in parts if part.closed)]
         fits = [one.fit(landmarks) for one in suspects]
         best = max(range(len(fits)), key=lambda k: (fits[k].share, k))
-        return (
-            suspects[best].laid(fits[best], 1 + len(parts)) if best > 0 and fits[best].share >= SURE else None
-        )
+        if best > 0 and fits[best].share >= SURE:
+            return suspects[best].laid(fits[best], tries)
+        found, largest = self._registered(whole, landmarks), parts[0].mesh
+        if found.share < DOUBTFUL and surface_area(largest) < NEARLY_ALL * surface_area(whole.mesh):
+            part = self._suspect(largest, landmarks)  # that lost a part itself, perhaps
+            fit = self._registered(part, landmarks)
+            if fit.share > found.share + UNLIKELY:
+                return part.laid(fit, tries)
+        return whole.laid(found, tries)
+
+    def _registered(self, suspect: "_Suspect", landmarks: Landmarks) -> Fit:
+        return registered(suspect.surface, landmarks, suspect.poses, mirrored=self.ways == 1)
 
     def _suspect(self, mesh: Mesh, landmarks: Landmarks) -> "_Suspect":
         frames: list[AffineFrame] = []
