@@ -23,7 +23,6 @@ from pictures import (
     RED,
     TILT,
     TURN,
-    FloatArray,
     credit_line,
     draw,
     draw_cylinder,
@@ -37,6 +36,7 @@ from pictures import (
 )
 
 from wm3d import Mesh, snr
+from wm3d.arrays import FloatArray
 from wm3d.bench.render import Picture, View, render, upright
 from wm3d.mesh import datasets
 from wm3d.scanner import Cylinder, RangeImage, scan

@@ -12,7 +12,6 @@ from pictures import (
     DPI,
     GREY,
     RED,
-    FloatArray,
     credit_line,
     draw_cylinder,
     outline,
@@ -24,6 +23,7 @@ from pictures import (
 )
 
 from wm3d import Mesh, snr
+from wm3d.arrays import FloatArray
 from wm3d.attacks import GaussianNoise
 from wm3d.bench.figures import power_of_ten
 from wm3d.mesh import datasets
