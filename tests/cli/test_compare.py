@@ -72,6 +72,11 @@ def test_vertices_in_another_order_are_others_and_faces_in_another_order_are_not
     found = json.loads(wm3d("compare", files / "good.ply", tmp_path / "shuffled.ply", "--json").stdout)
     assert set(VERTEX_BY_VERTEX) <= found["notes"].keys()
     assert found["hausdorff_mesh_units"] < 1e-9
+    for name, stored in (("one", mesh), ("two", library.Mesh(mesh.vertices, mesh.faces[::-1]))):
+        save_mesh(stored, tmp_path / f"{name}.stl")
+    found = json.loads(wm3d("compare", tmp_path / "one.stl", tmp_path / "two.stl", "--json").stdout)
+    assert set(VERTEX_BY_VERTEX) <= found["notes"].keys()
+    assert found["hausdorff_mesh_units"] < 1e-9
     save_mesh(library.Mesh(1.1 * mesh.vertices, mesh.faces[::-2, ::-1]), tmp_path / "half.ply")
     found = json.loads(wm3d("compare", files / "good.ply", tmp_path / "half.ply", "--json").stdout)
     assert found["snr_db"] == pytest.approx(20)  # of a tenth

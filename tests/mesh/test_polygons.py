@@ -27,6 +27,12 @@ def test_triangles_of_a_concave_polygon_do_not_fold_whichever_corner_comes_first
     assert parts.sum() == pytest.approx(area)
 
 
+def test_a_corner_that_is_there_twice_hinders_nothing():
+    corners = np.array([1, 2, 2, 3, 0])
+    parts = areas(DART, triangulated(DART, corners, np.array([5])))
+    assert sorted(parts) == pytest.approx([0, 0.5, 0.5])
+
+
 def test_a_convex_polygon_is_split_from_its_first_corner_and_one_without_such_a_fan_too():
     for polygon in (SQUARE, COMB):
         faces = triangulated(polygon, np.arange(len(polygon)), np.array([len(polygon)]))

@@ -65,7 +65,7 @@ def print_estimate(
         console.print(_table(mesh, scheme, cells, missing, costs))
         errors = [cost.error for names, cost in costs.items() if names[:2] == (mesh, scheme) and cost.error]
         for error in dict.fromkeys(errors):
-            console.print(f" {error}", highlight=False, soft_wrap=True)
+            console.print(f" {error}", highlight=False, markup=False, soft_wrap=True)
     todo = tasks(missing)
     console.print(
         f"{name}: {len(cells)} cells, {len(cells) - len(missing)} of them there already.", highlight=False
@@ -117,7 +117,7 @@ def measured(cells: Iterable[Cell], meshes: Mapping[str, Mesh]) -> dict[Setting,
         trial = TrialCell(*block, "H1", getattr(cell, "wrong_keys", 0))
         with event.install_recorder("numba:compile") as compiled:
             cost = _timed(trial, meshes)
-        again = compiled.buffer or not costs  # kernels were compiled, or loaded: that is no cost of a trial
+        again = compiled.buffer or not costs  # what was compiled, or loaded first, is no cost of a trial
         costs[setting(cell)] = _timed(trial, meshes) if again else cost
     return costs
 

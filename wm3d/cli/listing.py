@@ -34,8 +34,8 @@ def list_components(
     A line holds the name, the parameters with their defaults, and what it is. Where a parameter is one of a
     few words, the default stands first. A metric has its unit and what it needs instead.
 
-    The objects of --json have the fields name, parameters (an object of their defaults) and about; those of
-    metrics name, unit, same_vertices and about.
+    The objects of --json have the fields name, parameters (an object of those that have defaults) and about;
+    those of metrics name, unit, same_vertices and about.
 
     Example: wm3d list attacks
     """
@@ -157,12 +157,13 @@ def _summary(documented: object) -> str:
 
 
 def _defaults(cls: "type[Component]") -> dict[str, Any]:
-    """Return the defaults as JSON knows them, null where a parameter must be given."""
+    """Return the defaults as JSON knows them, of the parameters that need not be given."""
     from pydantic_core import to_jsonable_python
 
     return {
-        name: None if field.is_required() else to_jsonable_python(field.default)
+        name: to_jsonable_python(field.get_default(call_default_factory=True, validated_data={}))
         for name, field in _settable(cls).items()
+        if not field.is_required()
     }
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from wm3d.cli.output import print_json
-from wm3d.errors import Wm3dError
 
 if TYPE_CHECKING:
     from wm3d.schemes import Scheme
@@ -86,15 +85,14 @@ def evidence(score: "Score") -> str:
 
 def kept_key(path: Path, new: bytes) -> dict[Path, bytes]:
     """Return where another key in the place of a new one is kept: without it no mark of it is found again."""
-    from wm3d.mesh.files import Secret
-    from wm3d.schemes import Key
+    from wm3d.mesh import Secret
+    from wm3d.schemes.key import FORMAT
 
     try:
-        Key.load(path)
         old = path.read_bytes()
-    except (Wm3dError, OSError):  # no file, or no key
+    except OSError:
         return {}
-    if old == new:
+    if old == new or f'"{FORMAT}"'.encode() not in old:  # also of a scheme that is not installed any more
         return {}
     places = (path.with_name(f"{path.name}.~{number}~") for number in itertools.count(1))
     return {next(place for place in places if not place.exists()): Secret(old)}

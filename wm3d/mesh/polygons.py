@@ -7,6 +7,9 @@ from wm3d.arrays import BoolArray, FloatArray, IntArray
 MOST_CORNERS = 64
 """Corners of a polygon up to which another corner is looked for from which to split it."""
 
+ROUNDING = 1e-12
+"""Share of a polygon's area by which a triangle of none, as at a doubled corner, may face the other way."""
+
 
 def triangulated(vertices: FloatArray, corners: IntArray, lengths: IntArray) -> IntArray:
     """Split polygons into fans, in their order: (m, 3).
@@ -42,14 +45,14 @@ def _fans(vertices: FloatArray, polygons: IntArray) -> IntArray:
     if not in_range or not 3 < corners <= MOST_CORNERS:
         return fans
     normal = _areas(vertices, fans).sum(axis=1)
-    folded = np.flatnonzero(~_flat(vertices, fans, normal))
+    folded = np.flatnonzero(_folds(vertices, fans, normal))
     for start in range(1, corners):
         if not folded.size:
             break
         tried = _fan(np.roll(polygons[folded], -start, axis=1))
-        good = _flat(vertices, tried, normal[folded])
-        fans[folded[good]] = tried[good]
-        folded = folded[~good]
+        folds = _folds(vertices, tried, normal[folded])
+        fans[folded[~folds]] = tried[~folds]
+        folded = folded[folds]
     return fans
 
 
@@ -66,9 +69,10 @@ def _areas(vertices: FloatArray, triangles: IntArray) -> FloatArray:
     return areas
 
 
-def _flat(vertices: FloatArray, fans: IntArray, normal: FloatArray) -> BoolArray:
-    """Tell of each fan whether all of its triangles face as the polygon does: (k,)."""
+def _folds(vertices: FloatArray, fans: IntArray, normal: FloatArray) -> BoolArray:
+    """Tell of each fan whether one of its triangles faces the other way than the polygon: (k,)."""
     with np.errstate(all="ignore"):
         facing = np.einsum("kti,ki->kt", _areas(vertices, fans), normal)
-    flat: BoolArray = (facing > 0).all(axis=1)
-    return flat
+        least = -ROUNDING * np.einsum("ki,ki->k", normal, normal)
+    folds: BoolArray = (facing < least[:, None]).any(axis=1)
+    return folds

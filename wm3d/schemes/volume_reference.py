@@ -80,11 +80,11 @@ class _Suspect(NamedTuple):
         """Return the best fit from the poses, without a search."""
         return max((posed(self.surface, landmarks, pose) for pose in self.poses), key=lambda fit: fit.share)
 
-    def laid(self, found: Fit, times: int = 1) -> Laid:
-        """Return the mesh as a fit lays it, one of so many suspects."""
+    def laid(self, found: Fit, tries: int) -> Laid:
+        """Return the mesh as a fit lays it, the best of so many poses of all suspects."""
         vertices = found.warp(self.surface.placed(self.mesh.vertices))
         mesh = mirror_image(self.mesh) if found.warp.mirrors else self.mesh
-        return Laid(mesh, vertices, times * self.tries)
+        return Laid(mesh, vertices, tries)
 
 
 class Reference(BaseModel):
@@ -160,27 +160,28 @@ class Reference(BaseModel):
         count as tries. Of other solids that must be searched for the mirror image is searched for, too: no
         moments tell what is a part of one. What bounds no solid, as what one view of a scanner saw, has no
         moments: the landmarks alone must tell where it lies. Where the whole is not the solid, but one of its
-        parts is, the others were added, as a base or as objects beside it: that part is read alone. The whole
-        and all parts that are compared count as tries, too.
+        parts is, the others were added, as a base or as objects beside it: that part is read alone. All
+        poses of the whole and of the parts that are compared count as tries, too.
         """
         landmarks = Landmarks.decode(self.landmarks)
         whole, parts = self._suspect(mesh, landmarks), large_parts(mesh)
         if parts and not posed(whole.surface, landmarks, whole.poses[0]).exact:
             return self._amid(whole, parts, landmarks)
-        return whole.laid(self._registered(whole, landmarks))
+        return whole.laid(self._registered(whole, landmarks), whole.tries)
 
     def _amid(self, whole: "_Suspect", parts: list[Part], landmarks: Landmarks) -> Laid:
         """Lay a mesh of several parts, or one of these alone: each closed one by its own moments, too."""
-        tries = 1 + len(parts)
         suspects = [whole, *(self._suspect(part.mesh, landmarks) for part in parts if part.closed)]
         fits = [one.fit(landmarks) for one in suspects]
         best = max(range(len(fits)), key=lambda k: (fits[k].share, k))
+        tries = sum(one.tries for one in suspects)
         if best > 0 and fits[best].share >= SURE:
             return suspects[best].laid(fits[best], tries)
         found, largest = self._registered(whole, landmarks), parts[0].mesh
         if found.share < DOUBTFUL and surface_area(largest) < NEARLY_ALL * surface_area(whole.mesh):
             part = self._suspect(largest, landmarks)  # that lost a part itself, perhaps
             fit = self._registered(part, landmarks)
+            tries += 0 if parts[0].closed else part.tries
             if fit.share > found.share + UNLIKELY:
                 return part.laid(fit, tries)
         return whole.laid(found, tries)

@@ -30,9 +30,13 @@ VOLUME, INNER = signed_volume(BALL), signed_volume(SMALL)
             together(icosphere(3, 1.5), moved(inside_out(together(BALL, inside_out(SMALL))), 5)),
             signed_volume(icosphere(3, 1.5)) + VOLUME - INNER,  # a hollow goes with what it is in
         ),
+        (
+            together(*(moved(SMALL, 2 * k) for k in range(20)), moved(inside_out(SMALL), -5)),  # many alike
+            21 * INNER,
+        ),
         (together(BALL, moved(inside_out(TINY), 5)), VOLUME - signed_volume(TINY)),  # a splinter
     ],
-    ids=["apart", "apart, inwards", "hollow", "kernel", "hollow apart", "splinter"],
+    ids=["apart", "apart, inwards", "hollow", "kernel", "hollow apart", "many alike", "splinter"],
 )
 def test_parts_bound_what_they_bound_each_for_itself(mesh, volume):
     assert signed_volume(whole_surface(mesh)) == pytest.approx(volume, rel=1e-12)

@@ -1,6 +1,6 @@
 """Parts of a mesh, as objects beside each other: how they are wound, and each alone."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -37,10 +37,12 @@ def part_turns(vertices: FloatArray, faces: IntArray) -> IntArray:
         order = np.argsort(-size, kind="stable")
         large = order[closed[order] & (size[order] > SPLINTER * size.max())]
         if np.unique(np.sign(volume[large])).size > 1:
-            corner = vertices[faces[np.unique(part, return_index=True)[1], 0]]
-            for i, one in enumerate(large):
-                around = [k for k in large[:i] if _is_inside(corner[one], vertices[faces[part == k]])]
-                turns[one] = turns[around[-1]] if around else np.sign(volume[one] * volume[large[0]])
+            solids = [_Solid.of(vertices[faces[part == k]]) for k in large]
+            for i, one in enumerate(solids):
+                around = [k for k, other in zip(large[:i], solids, strict=False) if other.holds(one)]
+                turns[large[i]] = (
+                    turns[around[-1]] if around else np.sign(volume[large[i]] * volume[large[0]])
+                )
     turned: IntArray = turns[part]
     return turned
 
@@ -72,6 +74,24 @@ def large_parts(mesh: Mesh) -> list[Part]:
         for k in order
         if faces[k] >= LEAST_FACES
     ]
+
+
+class _Solid(NamedTuple):
+    """Triangles (m, 3, 3) that bound a solid, and the ends (2, 3) of their bounding box."""
+
+    corners: FloatArray
+    box: FloatArray
+
+    @classmethod
+    def of(cls, corners: FloatArray) -> Self:
+        return cls(corners, np.array([corners.min(axis=(0, 1)), corners.max(axis=(0, 1))]))
+
+    def holds(self, other: "_Solid") -> bool:
+        """Tell whether another solid, which does not cross this one, lies in it."""
+        (low, high), (least, most) = self.box, other.box
+        return bool((low <= least).all() and (most <= high).all()) and _is_inside(
+            other.corners[0, 0], self.corners
+        )
 
 
 def _is_inside(point: FloatArray, corners: FloatArray) -> bool:

@@ -77,8 +77,8 @@ def registered(
         return Fit(poses[0], 0.0)
     fits = []
     for pose in poses:
-        if np.linalg.cond(pose.matrix) > FLATTENING:
-            continue  # the moments of another model may be met best by one pressed flat
+        if _presses_flat(pose):
+            continue
         fits.append(posed(surface, landmarks, pose))
         if fits[-1].exact or fits[-1].share >= SURE:
             return fits[-1]
@@ -96,9 +96,16 @@ def registered(
 
 def posed(surface: Surface, landmarks: Landmarks, pose: Warp) -> Fit:
     """Return a pose as it is where it lays half of a surface right over landmarks, else the best fit near."""
+    if len(landmarks.points) < FEWEST or _presses_flat(pose):
+        return Fit(pose, 0.0)
     exact = share_met(surface, landmarks, pose, EXACT) > 0.5
     met = Fit(pose, share_met(surface, landmarks, pose), exact)
     return met if exact else _best([met, *_bent(surface, landmarks, pose)])
+
+
+def _presses_flat(pose: Warp) -> bool:
+    """Tell of a pose without an inverse, which may meet the moments of another model best."""
+    return bool(np.linalg.cond(pose.matrix) > FLATTENING)
 
 
 def _bent(surface: Surface, landmarks: Landmarks, start: Warp) -> list[Fit]:
