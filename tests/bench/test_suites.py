@@ -69,6 +69,7 @@ def test_config_as_run_names_every_attack_and_no_suite(tmp_path):
         ("suites: [../secret]\n", "line 4, suites[0]: no such suite; known: hostile, liris2010, "),
         ("attacks: []\n", "line 4, attacks: are missing; list one or more, or name suites."),
         ("", "attacks: are missing; list one or more, or name suites."),
+        ("attacks: [{name: chain}]\n", "line 4, attacks: hold a chain of none; name the attacks of a chain"),
         (
             "attacks:\n  - name: chain\n    then:\n      - { name: weld, precent: 1 }\n",
             "line 7, attacks[0].then[0].precent: unknown key; did you mean 'percent'?",

@@ -115,6 +115,7 @@ def _table() -> list[tuple[str, str, str]]:
         (f"{ATTACK} gaussian-noise percent=1e300", "good.ply", "coordinate"),
         (f"{ATTACK} gaussian-noise percent=", "percent", "number"),
         (f"{ATTACK} gaussian-noise percent", "percent", "param=value"),
+        (f"{ATTACK} chain", "chain: chains no attacks", "then=[{name: mirror}"),
         (f"{ATTACK} gaussian-noise percent=1e308", "gaussian-noise: ", "rescale it"),
         (f"{ATTACK} gaussian-noise percent=[1", "percent", "YAML"),
         (f"{ATTACK} gaussian-noise percent=2020-13-45", "percent=2020-13-45", "is no timestamp"),

@@ -17,7 +17,7 @@ from pydantic import (
     field_validator,
 )
 
-from wm3d.attacks import ATTACKS, Attack
+from wm3d.attacks import ATTACKS, Attack, Chain
 from wm3d.bench.faults import describe_faults
 from wm3d.bench.suites import load_suite
 from wm3d.bench.yamlfile import Document, read_yaml
@@ -131,6 +131,8 @@ class Experiment(_Strict):
         merged = [*attacks, *(attack for suite in suites for attack in load_suite(suite))]
         if not merged and "suites" in info.data:
             raise ValueError("are missing; list one or more, or name suites")
+        if Chain() in merged:
+            raise ValueError("hold a chain of none; name the attacks of a chain under its `then`")
         return tuple(dict.fromkeys(merged))
 
     @property

@@ -59,12 +59,16 @@ def attack(
     """
     import numpy as np
 
-    from wm3d.attacks import ATTACKS, Noise
+    from wm3d.attacks import ATTACKS, Chain, Noise
     from wm3d.mesh import ENDINGS, Mesh, check_target, decode_mesh, encode_mesh, write_whole
 
     if Path(name).suffix.lower() in ENDINGS:
         raise Wm3dError(f"{name}: stands where the name of an attack belongs; the order is IN OUT NAME.")
     chosen = ATTACKS.build(name, assignments(pairs or ()))
+    if chosen == Chain():
+        raise Wm3dError(
+            f"{name}: chains no attacks; name them, as in 'then=[{{name: mirror}}, {{name: weld}}]'."
+        )
     keep_original(source, target, "attacked mesh")
     check_target(target)
     mesh = read_mesh(source)
