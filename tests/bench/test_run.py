@@ -295,6 +295,15 @@ def test_a_cluster_that_does_not_answer_costs_no_earlier_report(small, config):
     assert results(small) == before
 
 
+def test_a_mesh_beside_the_config_is_told_from_where_paths_are_read(config, tmp_path):
+    path = config()
+    (path.parent / "mine.ply").touch()
+    with pytest.raises(
+        Wm3dError, match=r"mine\.ply: no such file\. Paths are relative to the folder that the comm"
+    ):
+        run_config(path, out=tmp_path / "run", overrides=["cases.0.meshes=[mine.ply]"])
+
+
 def test_bad_input_leaves_no_directory(config, tmp_path):
     with pytest.raises(
         Wm3dError, match=r"(?s)^\S*: 2 faults:\n  unknown mesh 'bunnny'.*\n  unknown mesh 'cat'"
