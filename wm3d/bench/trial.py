@@ -90,8 +90,9 @@ def _names(cell: Cell) -> Row:
     }
 
 
-def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
-    row: Row = {
+def _blank(cell: TrialCell, trial: int) -> Row:
+    """Return the row of a trial of which nothing is known yet."""
+    return {
         **_names(cell),
         "hypothesis": cell.hypothesis,
         "subject": cell.subject[0],
@@ -100,6 +101,10 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
         "faces_out": 0,
         "error": "",
     }
+
+
+def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
+    row = _blank(cell, trial)
     try:
         mark = subjects.mark(trial)
         if cell.hypothesis == "H1":
