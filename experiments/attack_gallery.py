@@ -43,6 +43,9 @@ SEED, PIXELS, COLORS = 2002, 230, 48
 CLOSE_UP = 6.0
 """How much larger the right half of a picture is."""
 
+GROWN = 1.2
+"""Size of a result, over that of the model, from which the picture shows all of it."""
+
 SPOT = 0.52, 0.56
 SPOTS = {"crop": (0.5, 0.5), "half-space-crop": (0.42, 0.84), "chain": (0.42, 0.84), "pedestal": (0.5, 0.85)}
 """Middle of the close-up in the picture, from the left and from above: on the back, or at the cut."""
@@ -132,7 +135,7 @@ def main() -> None:
         if wanted and name not in wanted:
             continue
         result = attacked(mesh, attack)
-        framed = result if attack.turns or isinstance(attack, Companion) else mesh
+        framed = result if attack.turns or result.diagonal > GROWN * mesh.diagonal else mesh
         write_whole(OUT / f"{name}.png", picture(result, framed, SPOTS.get(name, SPOT)))
         size = (OUT / f"{name}.png").stat().st_size
         print(f"{name}: {attack.label()}, {len(result.faces)} faces, {size} bytes", flush=True)

@@ -30,8 +30,8 @@ def distortion(run: Path) -> pd.DataFrame:
         name: pd.read_csv(run / "tables" / f"{name}.csv") for name in ("detection", "calibration", "snr")
     }
     both = ["mesh", "scheme"]
-    pd_name = f"pd_{PF:g}"
-    kept = ["attack", "trials", "z_mean", "z_std", pd_name, f"{pd_name}_low", f"{pd_name}_high"]
+    found = [f"pd_{pf:g}{end}" for pf in (PF, 1e-12) for end in ("", "_low", "_high")]
+    kept = ["attack", "trials", "z_mean", "z_std", *found]
     reached = tables["calibration"].set_index(both)["reached"].rename("mrms_percent")
     snr = tables["snr"].set_index(both)["snr_db"]
     return tables["detection"][both + kept].join(reached, on=both).join(snr, on=both)

@@ -4,23 +4,27 @@ import numpy as np
 import pytest
 from shapes import box, inside_out
 
+from wm3d.attacks import Attack
 from wm3d.attacks.added import MARGIN, Companion, Pedestal
 from wm3d.mesh import Mesh, is_closed, signed_volume
 
 
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_model_stands_on_a_box_of_the_given_height(axis):
-    model = box((2, 3, 4))
-    result = Pedestal(percent=20, axis="xyz"[axis])(model, np.random.default_rng(0))
+def added_to(model: Mesh, attack: Attack) -> Mesh:
+    """Return what an attack adds to a box, which itself must stay."""
+    result = attack(model, np.random.default_rng(0))
     np.testing.assert_array_equal(result.vertices[:8], model.vertices)
     np.testing.assert_array_equal(result.faces[:12], model.faces)
+    return Mesh(result.vertices[8:], result.faces[12:] - 8)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_model_stands_on_a_box_of_the_given_height(axis):
+    pedestal = added_to(box((2, 3, 4)), Pedestal(percent=20, axis="xyz"[axis]))
     extent = np.array([2.0, 3.0, 4.0])
     expected = (1 + 2 * MARGIN) * extent
     expected[axis] = 0.2 * extent[axis]
-    added = result.vertices[8:]
-    np.testing.assert_allclose(np.ptp(added, axis=0), expected)
-    assert added[:, axis].max() == pytest.approx(-extent[axis] / 2 + MARGIN * expected[axis])
-    pedestal = Mesh(added, result.faces[12:] - 8)
+    np.testing.assert_allclose(np.ptp(pedestal.vertices, axis=0), expected)
+    assert pedestal.vertices[:, axis].max() == pytest.approx(-extent[axis] / 2 + MARGIN * expected[axis])
     assert is_closed(pedestal)
     assert signed_volume(pedestal) == pytest.approx(expected.prod())
 
@@ -28,10 +32,7 @@ def test_model_stands_on_a_box_of_the_given_height(axis):
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_ball_of_the_given_diameter_lies_behind_the_model(axis):
     model = box((2, 3, 4))
-    result = Companion(percent=200, axis="xyz"[axis])(model, np.random.default_rng(0))
-    np.testing.assert_array_equal(result.vertices[:8], model.vertices)
-    np.testing.assert_array_equal(result.faces[:12], model.faces)
-    ball = Mesh(result.vertices[8:], result.faces[12:] - 8)
+    ball = added_to(model, Companion(percent=200, axis="xyz"[axis]))
     radius = model.diagonal
     assert np.ptp(ball.vertices, axis=0) == pytest.approx(3 * [2 * radius], rel=1e-3)
     assert signed_volume(ball) == pytest.approx(4 / 3 * np.pi * radius**3, rel=2e-3)
@@ -42,5 +43,4 @@ def test_ball_of_the_given_diameter_lies_behind_the_model(axis):
 
 def test_what_is_added_to_an_inward_wound_model_is_wound_inward():
     for attack in (Pedestal(), Companion()):
-        result = attack(inside_out(box()), np.random.default_rng(0))
-        assert signed_volume(Mesh(result.vertices[8:], result.faces[12:] - 8)) < 0
+        assert signed_volume(added_to(inside_out(box()), attack)) < 0

@@ -1,5 +1,6 @@
 """Parts added: a base glued on, as models get for printing and for display, or another object beside."""
 
+from abc import abstractmethod
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
@@ -18,8 +19,31 @@ _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)],
 _QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 
 
-class Pedestal(Attack):
-    """A box under the whole model, which sinks into it a little; a part of its own in the same mesh.
+class Added(Attack):
+    """A part of its own in the same mesh, wound as the model is; what all kinds of it share."""
+
+    random: ClassVar[bool] = False
+    legend: ClassVar[tuple[str, ...]] = ("percent",)
+    neutral: ClassVar[dict[str, float]] = {"percent": 0}
+
+    percent: Annotated[float, Field(ge=0)]
+    axis: Axis
+
+    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (nothing is random)
+        """Return the model and the part; see `Attack`."""
+        if self.percent == 0:
+            return mesh
+        vertices, faces = self._part(mesh)
+        faces = len(mesh.vertices) + faces[:, :: orientation(mesh)]
+        return Mesh(np.vstack([mesh.vertices, vertices]), np.vstack([mesh.faces, faces]), mesh.name)
+
+    @abstractmethod
+    def _part(self, mesh: Mesh) -> tuple[FloatArray, IntArray]:
+        """Return vertices (k, 3) and faces (j, 3), wound outwards, of what is added to a mesh."""
+
+
+class Pedestal(Added):
+    """A box under the whole model, which sinks into it a little.
 
     Attributes
     ----------
@@ -30,29 +54,22 @@ class Pedestal(Attack):
     """
 
     name: Literal["pedestal"] = "pedestal"
-    random: ClassVar[bool] = False
-    legend: ClassVar[tuple[str, ...]] = ("percent",)
-    neutral: ClassVar[dict[str, float]] = {"percent": 0}
-
     percent: Annotated[float, Field(ge=0)] = 10.0
     axis: Axis = "z"
 
-    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (nothing is random)
-        """Return the model on its base; see `Attack`."""
-        if self.percent == 0:
-            return mesh
+    def _part(self, mesh: Mesh) -> tuple[FloatArray, IntArray]:
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         extent, up = high - low, "xyz".index(self.axis)
         height = self.percent / 100 * extent[up]
         least, greatest = low - MARGIN * extent, high + MARGIN * extent
         greatest[up] = low[up] + MARGIN * height
         least[up] = greatest[up] - height
-        faces = np.vstack([_QUADS[:, [0, 1, 2]], _QUADS[:, [0, 2, 3]]])[:, :: orientation(mesh)]
-        return _together(mesh, least + _CORNERS * (greatest - least), faces)
+        faces = np.vstack([_QUADS[:, [0, 1, 2]], _QUADS[:, [0, 2, 3]]])
+        return least + _CORNERS * (greatest - least), faces
 
 
-class Companion(Attack):
-    """A ball of 20,480 faces beside the model; a part of its own in the same mesh, as the objects of a scene.
+class Companion(Added):
+    """A ball of 20,480 faces beside the model, as another object of a scene.
 
     Attributes
     ----------
@@ -63,27 +80,14 @@ class Companion(Attack):
     """
 
     name: Literal["companion"] = "companion"
-    random: ClassVar[bool] = False
-    legend: ClassVar[tuple[str, ...]] = ("percent",)
-    neutral: ClassVar[dict[str, float]] = {"percent": 0}
-
     percent: Annotated[float, Field(ge=0)] = 50.0
     axis: Axis = "x"
 
-    def __call__(self, mesh: Mesh, rng: np.random.Generator) -> Mesh:  # noqa: ARG002 (nothing is random)
-        """Return the model and the ball; see `Attack`."""
-        if self.percent == 0:
-            return mesh
+    def _part(self, mesh: Mesh) -> tuple[FloatArray, IntArray]:
         from trimesh.creation import icosphere
 
         ball, radius = icosphere(subdivisions=5), self.percent / 200 * mesh.diagonal
         low, high = mesh.vertices[mesh.used].min(axis=0), mesh.vertices[mesh.used].max(axis=0)
         middle, along = (low + high) / 2, "xyz".index(self.axis)
         middle[along] = high[along] + MARGIN * mesh.diagonal + radius
-        return _together(mesh, middle + radius * ball.vertices, ball.faces[:, :: orientation(mesh)])
-
-
-def _together(mesh: Mesh, vertices: FloatArray, faces: IntArray) -> Mesh:
-    return Mesh(
-        np.vstack([mesh.vertices, vertices]), np.vstack([mesh.faces, len(mesh.vertices) + faces]), mesh.name
-    )
+        return middle + radius * np.asarray(ball.vertices), np.asarray(ball.faces)

@@ -3,6 +3,7 @@
 import math
 import sys
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,7 +18,7 @@ from wm3d.bench.execute import default_workers, execute
 from wm3d.bench.manifest import manifest
 from wm3d.bench.plan import Cell, calibrations, plan, tasks
 from wm3d.bench.progress import reporter
-from wm3d.bench.report import write_report
+from wm3d.bench.report import read_manifest, write_report
 from wm3d.bench.store import DamagedCellError, RunDirectory
 from wm3d.bench.summary import print_summary
 from wm3d.bench.yamlfile import write_yaml
@@ -91,7 +92,7 @@ def run_config(
         check_scheduler(dask)  # before the report of an earlier run goes
     directory.create()
     with directory.locked():
-        started, earlier = datetime.now(UTC), directory.reported()
+        started, earlier = datetime.now(UTC), _reported(directory)
         directory.begin(write_yaml(experiment.model_dump(mode="json")))
         lost = _run_missing(first, meshes, directory, workers, dask) if first else []
         strengths = dict.fromkeys((cell.digest for cell in lost), math.nan) | _strengths(first, directory)
@@ -109,6 +110,13 @@ def run_config(
         report = write_report(directory.path)
         print_summary(report.tables, directory.path, report.refused)
     return Outcome(directory.path, lost_trials + report.failed)
+
+
+def _reported(directory: RunDirectory) -> set[str]:
+    """Return the digests of the trials that the report is about; none where no run was finished."""
+    with suppress(Wm3dError):
+        return set(read_manifest(directory)["cells"])
+    return set()
 
 
 def _is_own_copy(config: str | Path, directory: RunDirectory) -> bool:

@@ -1,7 +1,6 @@
 """A run directory: the config as run, one parquet file a cell, tables, figures, manifest."""
 
 import io
-import json
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -73,14 +72,6 @@ class RunDirectory:
             yield
         finally:
             lock.release()
-
-    def reported(self) -> set[str]:
-        """Return the digests of the cells that the report is about; none where there is no manifest."""
-        try:
-            manifest = json.loads((self.path / "manifest.json").read_bytes())
-            return set(manifest["cells"])
-        except (OSError, ValueError, KeyError, TypeError):
-            return set()
 
     def begin(self, config: str) -> None:
         """Store the config as run; a manifest and a report that speak of another config go."""

@@ -52,10 +52,11 @@ def compare(original: Mesh, other: Mesh) -> dict[str, float | None]:
 
 def measure(original: Mesh, other: Mesh) -> list[Measurement]:
     """Return all metrics of two meshes, each with the reason where there is no number."""
+    same = _same_vertices(original, other)
     return [
         measurement
         for name, metric in METRICS.items()
-        for measurement in _measurements(name.replace("-", "_"), metric, original, other)
+        for measurement in _measurements(name.replace("-", "_"), metric, original, other, same=same)
     ]
 
 
@@ -76,9 +77,11 @@ def _same_vertices(original: Mesh, other: Mesh) -> bool:
     return common > min(len(one), len(two)) / 2
 
 
-def _measurements(name: str, metric: Metric, original: Mesh, other: Mesh) -> Iterator[Measurement]:
+def _measurements(
+    name: str, metric: Metric, original: Mesh, other: Mesh, *, same: bool
+) -> Iterator[Measurement]:
     value, reason = None, ""
-    if metric.same_vertices and not _same_vertices(original, other):
+    if metric.same_vertices and not same:
         reason = "needs the same vertices in the same order"
     else:
         try:
