@@ -111,12 +111,12 @@ def sampled(b: np.ndarray, z: np.ndarray, seed: int) -> pd.DataFrame:
 
 
 def draw(b: np.ndarray, table: pd.DataFrame, title: str) -> Figure:
-    """Log10 Pf against z, and below it each estimate over the saddlepoint tail."""
+    """Log10 Pf against z, and below it each estimate over the computed tail."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 7.2), layout="constrained")
         tail, ratio = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
         z = np.linspace(0, table["z"].max() + 0.3, 300)
-        tail.plot(z, log10_tail(b, z), "k-", linewidth=1.2, label="saddlepoint (Lugannani–Rice)")
+        tail.plot(z, log10_tail(b, z), "k-", linewidth=1.2, label="computed tail")
         tail.plot(z, hoeffding_log10(b, z), "k:", linewidth=1.2, label="Hoeffding's bound")
         ratio.plot(z, np.ones_like(z), "k-", linewidth=1.2)
         normal = 10 ** (norm.logsf(z) / np.log(10) - log10_tail(b, z))
@@ -130,7 +130,7 @@ def draw(b: np.ndarray, table: pd.DataFrame, title: str) -> Figure:
         tail.set(title=title, ylabel="log10 Pf", ylim=(-21, 0.5), yticks=np.arange(-20, 1, 2))
         tail.legend(loc="lower left")
         ratio.set(
-            xlabel="threshold z", ylabel="Pf / saddlepoint", yscale="log", ylim=(0.5, 2), xlim=(0, z[-1])
+            xlabel="threshold z", ylabel="Pf / computed", yscale="log", ylim=(0.5, 2), xlim=(0, z[-1])
         )
         ratio.set_yticks([0.5, 0.7, 1, 1.4, 2], ["0.5", "0.7", "1", "1.4", "2"])
         ratio.set_yticks([], minor=True)

@@ -14,7 +14,7 @@ from wm3d.mesh import Mesh
 from wm3d.metrics import Budget
 from wm3d.schemes import Scheme
 
-ROWS_VERSION = 2
+ROWS_VERSION = 3
 """Raised when the columns of a row or the way a trial is made change."""
 
 CALIBRATION_DB = 0.2

@@ -26,6 +26,20 @@ class Saddlepoint(NamedTuple):
     """K''(θ)."""
 
 
+class Cumulants(NamedTuple):
+    """K(θ) = Σ ln cosh(θ a_k) at one θ, with its first two derivatives."""
+
+    value: float
+    slope: float
+    curvature: float
+
+
+def cumulants(a: FloatArray, theta: float) -> Cumulants:
+    """Return K(θ), K'(θ) and K''(θ) for (n,) positive weights and one θ ≥ 0."""
+    slope, curvature = _derivatives(a, np.array([theta]))
+    return Cumulants(float(_ln_cosh(theta * a).sum()), float(slope[0]), float(curvature[0]))
+
+
 def saddlepoint(a: FloatArray, z: FloatArray) -> Saddlepoint:
     """Solve K'(θ) = z for unit weights and 0 ≤ z < Σ a.
 
