@@ -129,9 +129,7 @@ def draw(b: np.ndarray, table: pd.DataFrame, title: str) -> Figure:
         )
         tail.set(title=title, ylabel="log10 Pf", ylim=(-21, 0.5), yticks=np.arange(-20, 1, 2))
         tail.legend(loc="lower left")
-        ratio.set(
-            xlabel="threshold z", ylabel="Pf / computed", yscale="log", ylim=(0.5, 2), xlim=(0, z[-1])
-        )
+        ratio.set(xlabel="threshold z", ylabel="Pf / computed", yscale="log", ylim=(0.5, 2), xlim=(0, z[-1]))
         ratio.set_yticks([0.5, 0.7, 1, 1.4, 2], ["0.5", "0.7", "1", "1.4", "2"])
         ratio.set_yticks([], minor=True)
         ratio.legend(loc="upper left")

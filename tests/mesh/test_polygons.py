@@ -10,7 +10,8 @@ ELL = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 2, 0], [0, 2, 0]
 DART = np.array([[0, 0, 0], [2, 0, 0], [0.5, 0.5, 0], [0, 2, 0]], float)  # concave at its third corner
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
 RIM = [(0, 0), (1, 1), (2, 0), (3, 1), (4, 0), (4, 3), (3, 2), (2, 3), (1, 2), (0, 3)]
-COMB = np.array([(*point, 0) for point in RIM], float)  # no corner sees all others
+COMB = np.array([(*point, 0) for point in RIM], float)  # no corner sees all others; of area 8
+BOW = np.array([[0, 0, 0], [2, 2, 0], [2, 0, 0], [0, 1, 0]], float)  # crosses itself
 
 
 def areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -33,11 +34,23 @@ def test_a_corner_that_is_there_twice_hinders_nothing():
     assert sorted(parts) == pytest.approx([0, 0.5, 0.5])
 
 
-def test_a_convex_polygon_is_split_from_its_first_corner_and_one_without_such_a_fan_too():
-    for polygon in (SQUARE, COMB):
+def test_a_convex_polygon_is_split_from_its_first_corner_and_one_that_crosses_itself_too():
+    for polygon in (SQUARE, BOW):
         faces = triangulated(polygon, np.arange(len(polygon)), np.array([len(polygon)]))
-        assert faces.tolist() == [[0, k, k + 1] for k in range(1, len(polygon) - 1)]
-    assert (areas(COMB, faces) < 0).any()
+        assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
+@pytest.mark.parametrize("turns", range(4))
+def test_ears_are_cut_off_a_polygon_without_a_fan_however_it_lies(turns):
+    tilted = np.column_stack([COMB[:, 0], COMB[:, 1], COMB[:, 0] + 2 * COMB[:, 1]])  # normal (-1, -2, 1)
+    corners = np.arange(len(COMB))[:: (-1) ** turns]
+    vertices = np.roll(tilted, turns, axis=1)
+    faces = triangulated(vertices, corners, np.array([len(COMB)]))
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a) / 2
+    expected = 8 * np.roll([-1, -2, 1], turns) * (-1) ** turns
+    assert (normals @ expected > 0).all()
+    assert normals.sum(axis=0) == pytest.approx(expected)
 
 
 def test_polygons_of_all_sizes_keep_their_order():

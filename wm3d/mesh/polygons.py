@@ -1,5 +1,6 @@
 """Polygons of a file as triangles."""
 
+import mapbox_earcut
 import numpy as np
 
 from wm3d.arrays import BoolArray, FloatArray, IntArray
@@ -15,7 +16,8 @@ def triangulated(vertices: FloatArray, corners: IntArray, lengths: IntArray) -> 
     """Split polygons into fans, in their order: (m, 3).
 
     A fan starts at the first corner, or where its triangles would fold over each other, as in a concave
-    polygon, at the first from which none does; at the first corner again if there is no such one.
+    polygon, at the first from which none does. If there is no such corner, ears are cut off one by one; what
+    has none either, as a polygon that crosses itself, is the fan of its first corner.
 
     Parameters
     ----------
@@ -53,7 +55,24 @@ def _fans(vertices: FloatArray, polygons: IntArray) -> IntArray:
         folds = _folds(vertices, tried, normal[folded])
         fans[folded[~folds]] = tried[~folds]
         folded = folded[folds]
+    for k in folded:
+        ears = _ears(vertices[polygons[k]], normal[k])
+        if len(ears) == corners - 2 and not _folds(vertices, polygons[k][ears][None], normal[k][None])[0]:
+            fans[k] = polygons[k][ears]
     return fans
+
+
+def _ears(polygon: FloatArray, normal: FloatArray) -> IntArray:
+    """Cut (c, 3) corners into triangles, seen along the normal; fewer than c − 2 where corners coincide."""
+    across = int(np.argmax(np.abs(normal)))  # the plane of the other two axes shows most of it
+    one, other = ((1, 2), (2, 0), (0, 1))[across]
+    flat = polygon[:, [one, other]]
+    ears = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32)).reshape(-1, 3)
+    a, b, c = flat[ears].transpose(1, 2, 0)
+    turns = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    backwards = turns * normal[across] < 0
+    ears[backwards] = ears[backwards][:, ::-1]
+    return ears.astype(np.int64)
 
 
 def _fan(polygons: IntArray) -> IntArray:
