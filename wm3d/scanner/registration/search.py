@@ -1,7 +1,6 @@
 """Starts for a fit where nothing is known of the pose: turns, shifts and sizes of a part of the model."""
 
 import itertools
-import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Self
 
@@ -21,15 +20,15 @@ from wm3d.threads import by_halves
 STARTS, APART = 32, 20.0
 """How many starts are returned, the best first, and the least angle between two, in degrees."""
 
-SIZES = (1.0, 0.85, 0.7)
+SIZES = (1.0, 0.85, 0.7, 0.55)
 """Sizes of the surface tried, in that of the landmarks: a part of a model is smaller than the whole."""
 
-_EDGES = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) if np.abs(way).sum() == 2])
-SHIFTS = np.vstack(
-    [np.zeros((1, 3)), *(step * sign * np.eye(3) for step in (0.3, 0.6) for sign in (-1, 1)), 0.3 * _EDGES]
-)
-"""Places of its middle tried, relative to that of the landmarks and their size, along the axes and between
-them; where they spread farther along one, half of the model lies farther off there, and places do too."""
+SHIFT, REACH = 2, 2.0
+"""Places of its middle tried: so many cells apart, and as far from that of the landmarks as these spread in
+the same direction, times this."""
+
+AMID = 0.5
+"""Power of the size by which misfits are divided where the model may lie amid other things."""
 
 OWN = np.array([1.0, 1.0, -1.0])
 """Makes a rotation a way to lay a mesh that is no mirror image: the frame of a scanner is left-handed."""
@@ -45,6 +44,9 @@ KEPT = 96
 
 LEAST_SIZE, MOST_SIZE = 0.5, 1.1
 """Bounds of the sizes that are come to."""
+
+FINENESS = 1e-6
+"""Distances are told apart to that."""
 
 PROBES, FEW_PROBES, FAR = 250, 64, 0.5
 """Points of the surface, about, by which the best and by which all places are compared, and the distance from
@@ -100,7 +102,7 @@ class _Field(NamedTuple):
         How far it is, `FAR` at most.
     power : float
         Misfits are divided by this power of the size: a model amid other things would fit best where it is
-        small, on any even patch of them.
+        small, on any even patch of them, and divided by all of its size where it is large.
     """
 
     points: FloatArray
@@ -149,7 +151,7 @@ def turned_starts(surface: Surface, landmarks: Landmarks, search: Search) -> lis
         model = Landmarks((landmarks.points - middle) / size, landmarks.normals)
         inverse = [
             Warp.linear(pose.matrix / size, pose.coefficients[0] - pose.matrix @ middle / size)
-            for pose in _laid(model, suspect, search.mirrored, power=1.0)
+            for pose in _laid(model, suspect, search.mirrored, power=AMID)
         ]
         return [pose.inverted() for pose in inverse]
     return _laid(suspect, landmarks, search.mirrored, power=0.0)
@@ -158,13 +160,12 @@ def turned_starts(surface: Surface, landmarks: Landmarks, search: Search) -> lis
 def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, power: float) -> list[Warp]:
     """Return the ways to lay probes, of middle 0 and size 1, on points among which all have their place."""
     goal = others.points.mean(axis=0)
-    spread = others.points.std(axis=0)
-    size = float(np.linalg.norm(spread))
+    size = float(np.linalg.norm(others.points.std(axis=0)))
     field = _Field.of((others.points - goal) / size, others.normals, power)
 
     few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
     hand = -OWN if mirrored else OWN
-    tried, misfit = _tried(few, turns(TURNS) * hand, SHIFTS * math.sqrt(3) * spread / size, field)
+    tried, misfit = _tried(few, turns(TURNS) * hand, _shifts(field.points), field)
     best = np.argsort(misfit, kind="stable")
     best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
     places = _descended(tried.some(best), FIRST_STEPS, probes, field)
@@ -177,17 +178,29 @@ def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, power: float) ->
     ]
 
 
+def _shifts(points: FloatArray) -> IntArray:
+    """Return places amid points whose middle is 0, in cells: (b, 3), the nearest to it first."""
+    most = int(REACH / CELL / SHIFT)
+    grid = SHIFT * np.array(list(itertools.product(range(-most, most + 1), repeat=3)))
+    spread = np.cov(points.T) / CELL**2 + np.eye(3)  # a cell at least, as of a flat sheet
+    far = np.einsum("bi,ij,bj->b", grid, np.linalg.inv(spread), grid)
+    order = np.argsort(far, kind="stable")
+    shifts: IntArray = grid[order[far[order] <= REACH**2]]
+    return shifts
+
+
 def _tried(
-    probes: Landmarks, candidates: FloatArray, shifts: FloatArray, field: _Field
+    probes: Landmarks, candidates: FloatArray, shifts: IntArray, field: _Field
 ) -> tuple[_Places, FloatArray]:
     """Return the best size and shift for each of (n, 3, 3) turns, and how far probes then lie off: (n,)."""
     sizes = np.array(SIZES)
+    cube = np.pad(field.distance.reshape((GRID,) * 3), np.abs(shifts).max(), mode="edge")
+    whole = np.rint(cube / FINENESS).astype(np.int32)
     halves = by_halves(
-        lambda half: kernels.nearest_tried(probes.points, half, sizes, shifts, field.distance, field.power),
-        candidates,
+        lambda half: kernels.nearest_tried(probes.points, half, sizes, shifts, whole, field.power), candidates
     )
     misfit, size, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
-    return _Places(candidates, sizes[size], shifts[shift]), misfit
+    return _Places(candidates, sizes[size], CELL * shifts[shift]), misfit
 
 
 def _descended(places: _Places, steps: Sequence[float], probes: Landmarks, field: _Field) -> _Places:
