@@ -83,13 +83,14 @@ def test_places_are_numbered_by_their_cells_and_beside_the_cube_by_the_nearest()
 @pytest.mark.parametrize("power", [0.0, 1.0])
 def test_best_of_the_sizes_and_shifts_tried_is_that_of_all_looked_up_at_once(power: float):
     sizes, shifts = np.array([1.0, 0.8]), RNG.integers(-6, 7, (5, 3))
-    distance = RNG.integers(0, 500_000, (GRID + 2 * 6,) * 3).astype(np.int32)
+    more = np.array([6, 7, 9])  # cells on both sides of each axis
+    distance = RNG.integers(0, 500_000, GRID + 2 * more).astype(np.int32)
     pairs = list(itertools.product(range(2), range(5)))
     turned = PROBES @ TURNS.swapaxes(1, 2)
     layers = [np.floor((size * turned + HALF_WIDTH) / CELL).astype(int).clip(0, GRID - 1) for size in sizes]
     means = np.stack(
         [
-            distance[tuple(np.moveaxis(layers[a] + 6 + shifts[b], -1, 0))].mean(axis=1) / sizes[a] ** power
+            distance[tuple(np.moveaxis(layers[a] + more + shifts[b], -1, 0))].mean(axis=1) / sizes[a] ** power
             for a, b in pairs
         ],
         axis=1,

@@ -203,22 +203,22 @@ def nearest_tried(
     """Least mean of the cells' `distance` from (k, 3) probes, over all sizes and shifts, for each turn.
 
     Turns (n, 3, 3), sizes (a,), shifts (b, 3) in cells; `distance` is the cube in whole numbers, with as many
-    more cells on all sides as shifts reach. A probe beside the cube is taken for one in the nearest cell
-    before it is shifted. Means are divided by a power of the size. Returns them and the places of size and
-    shift: (n,) each.
+    more cells on both sides of an axis as shifts go. A probe beside the cube is taken for one in the nearest
+    cell before it is shifted. Means are divided by a power of the size. Returns them and the places of size
+    and shift: (n,) each.
     """
     least = np.full(len(turns), np.inf)
     size, shift = np.zeros(len(turns), dtype=np.int64), np.zeros(len(turns), dtype=np.int64)
-    side, flat = len(distance), distance.ravel()
-    middle = (side - GRID) // 2 * ((side + 1) * side + 1)
-    steps = (shifts[:, 0] * side + shifts[:, 1]) * side + shifts[:, 2] + middle
+    rows, row = distance.shape[1:]
+    more = (np.array(distance.shape) - GRID) // 2 + shifts
+    steps, flat = (more[:, 0] * rows + more[:, 1]) * row + more[:, 2], distance.ravel()
     cell, still = np.empty(len(probes), dtype=np.int32), np.zeros(3)
     for n in range(len(turns)):
         turned = _turned(probes, turns[n])
         for a in range(len(sizes)):
             for k in range(len(probes)):
                 x, y, z = _placed(turned[k], sizes[a], still)
-                cell[k] = (_layer(x) * side + _layer(y)) * side + _layer(z)
+                cell[k] = (_layer(x) * rows + _layer(y)) * row + _layer(z)
             share = 1 / len(probes) / sizes[a] ** power
             for b in range(len(steps)):
                 total = _sum_below(flat, cell, np.int32(steps[b]), least[n] / share)

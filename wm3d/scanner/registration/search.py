@@ -23,12 +23,12 @@ STARTS, APART = 32, 20.0
 SIZES = (1.0, 0.85, 0.7, 0.55)
 """Sizes of the surface tried, in that of the landmarks: a part of a model is smaller than the whole."""
 
-SHIFT, REACH = 2, 2.0
-"""Places of its middle tried: so many cells apart, and as far from that of the landmarks as these spread in
-the same direction, times this."""
+SHIFT, SHIFT_AMID, REACH = 3, 2, 1.7
+"""Places of its middle tried: so many cells apart, fewer where the model may lie amid other things, for there
+it is small; and as far from that of the landmarks as these spread in the same direction, times this."""
 
 AMID = 0.5
-"""Power of the size by which misfits are divided where the model may lie amid other things."""
+"""Power of the size by which misfits are divided there."""
 
 OWN = np.array([1.0, 1.0, -1.0])
 """Makes a rotation a way to lay a mesh that is no mirror image: the frame of a scanner is left-handed."""
@@ -151,21 +151,21 @@ def turned_starts(surface: Surface, landmarks: Landmarks, search: Search) -> lis
         model = Landmarks((landmarks.points - middle) / size, landmarks.normals)
         inverse = [
             Warp.linear(pose.matrix / size, pose.coefficients[0] - pose.matrix @ middle / size)
-            for pose in _laid(model, suspect, search.mirrored, power=AMID)
+            for pose in _laid(model, suspect, search.mirrored, amid=True)
         ]
         return [pose.inverted() for pose in inverse]
-    return _laid(suspect, landmarks, search.mirrored, power=0.0)
+    return _laid(suspect, landmarks, search.mirrored, amid=False)
 
 
-def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, power: float) -> list[Warp]:
+def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, amid: bool) -> list[Warp]:
     """Return the ways to lay probes, of middle 0 and size 1, on points among which all have their place."""
     goal = others.points.mean(axis=0)
     size = float(np.linalg.norm(others.points.std(axis=0)))
-    field = _Field.of((others.points - goal) / size, others.normals, power)
+    field = _Field.of((others.points - goal) / size, others.normals, AMID if amid else 0.0)
 
     few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
-    hand = -OWN if mirrored else OWN
-    tried, misfit = _tried(few, turns(TURNS) * hand, _shifts(field.points), field)
+    hand, shifts = -OWN if mirrored else OWN, _shifts(field.points, SHIFT_AMID if amid else SHIFT)
+    tried, misfit = _tried(few, turns(TURNS) * hand, shifts, field)
     best = np.argsort(misfit, kind="stable")
     best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
     places = _descended(tried.some(best), FIRST_STEPS, probes, field)
@@ -178,10 +178,10 @@ def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, power: float) ->
     ]
 
 
-def _shifts(points: FloatArray) -> IntArray:
-    """Return places amid points whose middle is 0, in cells: (b, 3), the nearest to it first."""
-    most = int(REACH / CELL / SHIFT)
-    grid = SHIFT * np.array(list(itertools.product(range(-most, most + 1), repeat=3)))
+def _shifts(points: FloatArray, step: int) -> IntArray:
+    """Return places amid points of middle 0, in cells and a step apart: (b, 3), the nearest to it first."""
+    most = int(REACH / CELL / step)
+    grid = step * np.array(list(itertools.product(range(-most, most + 1), repeat=3)))
     spread = np.cov(points.T) / CELL**2 + np.eye(3)  # a cell at least, as of a flat sheet
     far = np.einsum("bi,ij,bj->b", grid, np.linalg.inv(spread), grid)
     order = np.argsort(far, kind="stable")
@@ -194,7 +194,8 @@ def _tried(
 ) -> tuple[_Places, FloatArray]:
     """Return the best size and shift for each of (n, 3, 3) turns, and how far probes then lie off: (n,)."""
     sizes = np.array(SIZES)
-    cube = np.pad(field.distance.reshape((GRID,) * 3), np.abs(shifts).max(), mode="edge")
+    most = np.abs(shifts).max(axis=0)
+    cube = np.pad(field.distance.reshape((GRID,) * 3), np.column_stack([most, most]), mode="edge")
     whole = np.rint(cube / FINENESS).astype(np.int32)
     halves = by_halves(
         lambda half: kernels.nearest_tried(probes.points, half, sizes, shifts, whole, field.power), candidates
