@@ -14,8 +14,9 @@ from wm3d.stats.weights import tie_slack
 EXCESS = 0.002
 """What the result may be above the truth, as a share of it, where the sum has no clusters of its own."""
 
-MOST_SPREAD = 12.0
-"""Largest θ √K''(θ) that is worth the points it takes: all that 327 signs reach, and P ≥ 1e-30 of more."""
+DEEPEST, FEW_SIGNS = 30 * LN10, 327
+"""Exponent θz − K(θ) up to which the points are worth their time, and how many signs take few anywhere. For
+all these θ √K''(θ) is at most 12."""
 
 _GROWTH = 1.2  # from one tilt to the next; within it e^(θ²K''/2·0.2²) is lost to cancellation, 18 at most
 _LEAST_TILT = 1.0
@@ -62,7 +63,7 @@ def inversion_log10(a: FloatArray, z: FloatArray, theta: FloatArray) -> FloatArr
     z : (m,) ndarray of float
         Thresholds within ±Σ a.
     theta : (m,) ndarray of float
-        Where K'(θ) = \|z\|; θ √K''(θ) should be at most `MOST_SPREAD`.
+        Where K'(θ) = \|z\|.
 
     Notes
     -----

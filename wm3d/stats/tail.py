@@ -10,7 +10,7 @@ from scipy.special import gammaln, logsumexp
 
 from wm3d.arrays import FloatArray
 from wm3d.errors import Wm3dError
-from wm3d.stats.inversion import MOST_SPREAD, inversion_log10
+from wm3d.stats.inversion import DEEPEST, FEW_SIGNS, inversion_log10
 from wm3d.stats.saddlepoint import LN10, saddlepoint, saddlepoint_tail
 from wm3d.stats.weights import checked_thresholds, checked_weights, tie_slack, unit_weights
 
@@ -100,7 +100,8 @@ def _tail(a: FloatArray, z: FloatArray) -> FloatArray:
 
 def _many(a: FloatArray, z: FloatArray) -> FloatArray:
     point = saddlepoint(a, np.minimum(np.abs(z), a.sum() - tie_slack(a)))
-    near = point.theta * np.sqrt(point.curvature) <= MOST_SPREAD
+    exponent = point.theta * np.abs(z) - point.cumulant  # P ≤ e^-exponent (Chernoff)
+    near = (exponent <= DEEPEST) | (a.size <= FEW_SIGNS)
     tails = np.empty(z.shape)
     tails[near] = inversion_log10(a, z[near], point.theta[near])
     tails[~near] = saddlepoint_tail(a, z[~near])
