@@ -37,14 +37,14 @@ def characteristic(a: FloatArray, tilt: FloatArray, step: float, points: int) ->
     """
     out = np.zeros(points, np.complex128)
     m = min(a.size, _TURNED)
-    table_c, table_s = np.empty((m, _BLOCK)), np.empty((m, _BLOCK))
+    table = np.empty((m, 2, _BLOCK))
     for k in range(m):
         for j in range(_BLOCK):
-            table_c[k, j], table_s[k, j] = math.cos(j * step * a[k]), math.sin(j * step * a[k])
+            table[k, 0, j], table[k, 1, j] = math.cos(j * step * a[k]), math.sin(j * step * a[k])
     x, y = np.empty(_BLOCK), np.empty(_BLOCK)
     for first in range(0, points, _BLOCK):
         x[:], y[:] = 1.0, 0.0
-        if _multiply_block(x, y, a, tilt, first * step, table_c, table_s):
+        if _multiply_block(x, y, a, tilt, first * step, table):
             for j in range(min(_BLOCK, points - first)):
                 out[first + j] = _multiply(x[j], y[j], a, tilt, (first + j) * step, m)
     return out
@@ -52,18 +52,12 @@ def characteristic(a: FloatArray, tilt: FloatArray, step: float, points: int) ->
 
 @njit(cache=True, nogil=True)
 def _multiply_block(
-    x: FloatArray,
-    y: FloatArray,
-    a: FloatArray,
-    tilt: FloatArray,
-    u: float,
-    table_c: FloatArray,
-    table_s: FloatArray,
+    x: FloatArray, y: FloatArray, a: FloatArray, tilt: FloatArray, u: float, table: FloatArray
 ) -> bool:
     """Multiply x + iy by the factors in the table, from u on; tell whether any value is left."""
-    for k in range(len(table_c)):
+    for k in range(len(table)):
         c0, s0, t = math.cos(u * a[k]), math.sin(u * a[k]), tilt[k]
-        row_c, row_s = table_c[k], table_s[k]
+        row_c, row_s = table[k]
         for j in range(_BLOCK):
             c = c0 * row_c[j] - s0 * row_s[j]
             s = t * (s0 * row_c[j] + c0 * row_s[j])
