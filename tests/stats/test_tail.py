@@ -211,6 +211,23 @@ def test_threshold_of_a_discrete_sum_keeps_pf():
     assert z_at(np.zeros(4), -1.0) == math.inf
 
 
+def test_ties_of_equal_weights_are_those_of_all_others():
+    beside = np.array([1 + 1e-12, 1 + 5e-10])  # of four ones, half of whose sum is 2
+    assert 10 ** log10_tail(np.ones(4), beside) == pytest.approx([5 / 16, 1 / 16])
+
+
+def test_threshold_is_infinite_where_only_dust_would_tell_more_keys_apart():
+    assert z_at(np.append(np.ones(30), np.full(30, 1e-15)), -12.0) == math.inf
+
+
+def test_long_sums_near_their_largest_are_not_inverted(monkeypatch, rng):
+    b = np.sort(rng.exponential(1, 2000))  # and the 30 smallest signs are down: P is 1e-580
+    z = (b.sum() - 2 * b[:30].sum()) / np.linalg.norm(b)
+    with monkeypatch.context() as context:
+        context.setattr("wm3d.stats.inversion._contour", None)
+        assert log10_tail(b, z) == saddlepoint_log10(b, z) < -500
+
+
 def test_bad_thresholds_are_named():
     with pytest.raises(Wm3dError, match="NaN"):
         log10_tail(np.ones(3), math.nan)

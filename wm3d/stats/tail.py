@@ -84,7 +84,7 @@ def _tail(a: FloatArray, z: FloatArray) -> FloatArray:
     inside = (z > -reach) & (z <= reach + slack)
     z = np.minimum(z[inside], reach)
     if np.ptp(a) <= slack / a.size:
-        out[inside] = _equal_weights(a.size, z)
+        out[inside] = _equal_weights(a, z)
         return out
     gap = reach - z + slack
     smallest = np.partition(a, _COUNTED_SIGNS) if a.size > _COUNTED_SIGNS else np.append(a, np.inf)
@@ -108,9 +108,10 @@ def _many(a: FloatArray, z: FloatArray) -> FloatArray:
     return tails
 
 
-def _equal_weights(n: int, z: FloatArray) -> FloatArray:
+def _equal_weights(a: FloatArray, z: FloatArray) -> FloatArray:
     """Log10 P(at most m of n signs are down), the binomial tail, summed in logs."""
-    down = np.floor((n - z * math.sqrt(n)) / 2 + 1e-9).astype(np.int64)
+    n = a.size
+    down = np.floor((a.sum() - z + tie_slack(a)) / (2 * a.mean())).astype(np.int64)
     i = np.arange(n + 1)
     log_mass = gammaln(n + 1) - gammaln(i + 1) - gammaln(n - i + 1) - n * math.log(2)
     tails = [min(0.0, float(logsumexp(log_mass[: m + 1]))) for m in np.clip(down, 0, n)]
@@ -162,7 +163,7 @@ def z_at(b: ArrayLike, log10_pf: float) -> float:
     -------
     float
         The least z with log10_tail(b, z) ≤ log10_pf, each within 10⁻¹² (of Σ|b|, and of 1), or inf if even
-        a single key, with its probability 2^−n over n nonzero weights, is likelier than that.
+        a single key, with its probability 2^−n over n weights that move a sum, is likelier than that.
 
     Raises
     ------
@@ -173,7 +174,7 @@ def z_at(b: ArrayLike, log10_pf: float) -> float:
         raise Wm3dError(
             f"log10_pf is {log10_pf}; a false-alarm probability below 1 has a negative logarithm."
         )
-    a = unit_weights(b)
+    a = _told_apart(unit_weights(b))
     if log10_pf < -a.size * LOG10_2 - _ROUNDING:
         return math.inf
     reach = float(a.sum())
