@@ -1,8 +1,9 @@
 """Time embedding and detection of each scheme on one mesh, after warm-up; one process, median seconds.
 
-    python experiments/scheme_speed.py [MESH] [--schemes range-dct,song2002] [--repeats 5]
+    python experiments/scheme_speed.py [MESH] [--other MESH] [--schemes range-dct,song2002] [--repeats 5]
 
-Detection is timed on the marked mesh as it is and after attacks that make it look longer for the pose.
+Detection is timed on the marked mesh as it is and after attacks that make it look longer for the pose, and
+on another model, of as many faces, for which it looks longest.
 """
 
 import argparse
@@ -11,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wm3d.attacks import Clean, Crop, GaussianNoise, Simplify
+from wm3d.attacks import Chain, Clean, Crop, GaussianNoise, Similarity, Simplify, Subdivide
 from wm3d.errors import Wm3dError
 from wm3d.mesh import Mesh, datasets
 from wm3d.schemes import SCHEMES
@@ -22,20 +23,23 @@ ATTACKED = (
     GaussianNoise(percent=0.6, amplitude="rms-vector"),
     Simplify(ratio=0.1),
     Crop(percent=30),
+    Chain(then=(Crop(percent=50), Similarity())),
 )
 
 
-def main(mesh: str | None, schemes: str, repeats: int) -> None:
+def main(mesh: str | None, other: str, schemes: str, repeats: int) -> None:
     model = datasets.resolve(
         mesh or ("happy-buddha-300k" if "happy-buddha-300k" in datasets.dataset_names() else "bunny")
     )
+    another = with_faces(datasets.resolve(other), len(model.faces))
     print(f"{model.name}: {len(model.vertices)} vertices, {len(model.faces)} faces; median of {repeats}")
-    print(f"{'scheme':14s}{'embed':>8s}" + "".join(f"{attack.name:>16s}" for attack in ATTACKED))
+    columns = [attack.name for attack in ATTACKED] + [f"other: {other}"]
+    print(f"{'scheme':14s}{'embed':>8s}" + "".join(f"{column:>16s}" for column in columns))
     for name in schemes.split(","):
         scheme = SCHEMES.build(name, {})
         try:
             marked, known = scheme.embed(model, SEED)
-            suspects = [attack(marked, np.random.default_rng(SEED)) for attack in ATTACKED]
+            suspects = [attack(marked, np.random.default_rng(SEED)) for attack in ATTACKED] + [another]
             for suspect in suspects:
                 known.score(suspect, SEED)
         except Wm3dError as error:
@@ -47,6 +51,14 @@ def main(mesh: str | None, schemes: str, repeats: int) -> None:
             for suspect in suspects
         ]
         print(f"{name:14s}{embed:8.2f}" + "".join(f"{taken:16.2f}" for taken in detect), flush=True)
+
+
+def with_faces(mesh: Mesh, faces: int) -> Mesh:
+    """Return a mesh with so many faces, or a few less: subdivided, then simplified."""
+    rng = np.random.default_rng(SEED)
+    while len(mesh.faces) < faces:
+        mesh = Subdivide(rule="midpoint")(mesh, rng)
+    return mesh if len(mesh.faces) == faces else Simplify(ratio=faces / len(mesh.faces))(mesh, rng)
 
 
 def median_seconds(call: Callable[[Mesh], object], mesh: Mesh, repeats: int) -> float:
@@ -66,6 +78,7 @@ if __name__ == "__main__":
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("mesh", nargs="?", metavar="MESH", help="dataset or file")
+    parser.add_argument("--other", default="bunny", metavar="MESH", help="another model, dataset or file")
     parser.add_argument("--schemes", default="range-dct,song2002")
     parser.add_argument("--repeats", type=int, default=5)
     main(**vars(parser.parse_args()))

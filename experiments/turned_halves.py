@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from wm3d.arrays import FloatArray
 from wm3d.attacks import Crop
 from wm3d.mesh import datasets, whole_surface
-from wm3d.scanner.registration import Landmarks, Surface, Warp, registered
+from wm3d.scanner.registration import Landmarks, Surface, Warp, posed, registered
 from wm3d.schemes.range_dct import RangeDct
 
 ALPHAS = {"bunny-closed": 0.63, "venus": 0.63, "igea": 0.63, "horse": 0.63, "happy-buddha-300k": 0.33}
@@ -42,7 +42,7 @@ def laid_right(name: str, percent: float, seeds: range, image: FloatArray) -> in
         part = Crop(percent=percent)(marked, rng)
         turn = Rotation.random(rng=rng).as_matrix() @ image
         surface = Surface.of(whole_surface(part.with_vertices(part.vertices @ turn.T)))
-        found = registered(surface, landmarks, [NOWHERE], mirrored=True).warp
+        found = registered(surface, landmarks, [posed(surface, landmarks, NOWHERE)], mirrored=True).warp
         off = polar(found.matrix)[0] @ polar(home @ turn.T)[0].T
         turned = np.linalg.det(off) > 0 and np.degrees(Rotation.from_matrix(off).magnitude()) < NEAR
         right += bool(turned)

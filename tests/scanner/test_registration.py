@@ -6,7 +6,7 @@ from shapes import blob, box, fine_box, inside_out, rotation
 
 from wm3d.attacks import Crop
 from wm3d.mesh import Mesh, surface_points
-from wm3d.scanner.registration import Landmarks, Surface, Warp, nearest, registered
+from wm3d.scanner.registration import Fit, Landmarks, Surface, Warp, nearest, posed, registered
 from wm3d.scanner.registration.fit import fitted, share_met
 from wm3d.scanner.registration.fit_kernels import sound
 from wm3d.scanner.registration.landmarks import FLAT
@@ -25,6 +25,11 @@ def pose_of(surface: Surface) -> Warp:
 def landmarks_of(mesh: Mesh) -> Landmarks:
     surface = Surface.of(mesh)
     return Landmarks.of(surface, pose_of(surface))
+
+
+def laid(surface: Surface, landmarks: Landmarks, poses: list[Warp], mirrored: bool = False) -> Fit:
+    fits = [posed(surface, landmarks, pose) for pose in poses]
+    return registered(surface, landmarks, fits, mirrored=mirrored)
 
 
 def test_points_stand_for_equal_areas_and_have_the_normals_of_their_faces():
@@ -120,7 +125,7 @@ def test_any_turn_of_a_torso_is_found(seed, percent, off):
     surface, landmarks = Surface.of(turned), landmarks_of(MESH)
     wrong = pose_of(surface)
     assert share_met(surface, landmarks, wrong) < 0.3
-    found = registered(surface, landmarks, [wrong])
+    found = laid(surface, landmarks, [wrong])
     placed = found.warp(surface.placed(turned.vertices))
     distance = np.linalg.norm(placed - torso.vertices @ MIRROR, axis=1)
     assert np.median(distance) < off  # the blob is smooth: it slides along itself
@@ -132,11 +137,11 @@ def test_torso_of_a_mirror_image_is_laid_as_one_where_that_may_be(percent):
     turn = rotation(2) @ np.diag([1.0, -1.0, 1.0])
     surface = Surface.of(torso.with_vertices(torso.vertices @ turn.T))
     landmarks, wrong = landmarks_of(MESH), [pose_of(surface)]
-    found = registered(surface, landmarks, wrong, mirrored=True)
+    found = laid(surface, landmarks, wrong, mirrored=True)
     placed = found.warp(surface.placed(torso.vertices @ turn.T))
     assert np.median(np.linalg.norm(placed - torso.vertices @ MIRROR, axis=1)) < 0.1
     assert found.warp.mirrors
-    assert not registered(surface, landmarks, wrong).warp.mirrors
+    assert not laid(surface, landmarks, wrong).warp.mirrors
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -144,7 +149,7 @@ def test_part_of_its_own_mirror_image_is_not_mirrored(seed):
     mesh = fine_box()
     part = Crop(percent=30)(mesh, np.random.default_rng(seed))
     surface = Surface.of(part.with_vertices(part.vertices @ rotation(seed).T))
-    found = registered(surface, landmarks_of(mesh), [pose_of(surface)], mirrored=True)
+    found = laid(surface, landmarks_of(mesh), [pose_of(surface)], mirrored=True)
     assert found.share > 0.6
     assert not found.warp.mirrors
 
@@ -152,7 +157,7 @@ def test_part_of_its_own_mirror_image_is_not_mirrored(seed):
 def test_torso_lies_as_near_as_a_fit_to_all_landmarks_brings_it():
     torso = Crop(percent=40)(MESH, np.random.default_rng(4))
     surface, landmarks = Surface.of(torso.with_vertices(torso.vertices @ rotation(5).T)), landmarks_of(MESH)
-    found = registered(surface, landmarks, [pose_of(surface)]).warp
+    found = laid(surface, landmarks, [pose_of(surface)]).warp
     again = fitted(surface, landmarks, found, quadratic=False, reach=0.1).warp
     # 0.01 from the start that a few of the landmarks chose
     np.testing.assert_allclose(again(surface.points), found(surface.points), atol=1e-3)
@@ -169,7 +174,7 @@ def test_of_several_poses_the_one_nearest_to_the_landmarks_is_taken():
 
 def test_a_pose_that_fits_is_left_as_it_is():
     surface, landmarks = Surface.of(inside_out(MESH)), landmarks_of(MESH)
-    found = registered(surface, landmarks, [pose_of(surface)])
+    found = laid(surface, landmarks, [pose_of(surface)])
     np.testing.assert_array_equal(found.warp.coefficients, pose_of(surface).coefficients)
     assert found.share > 0.99
 
@@ -177,10 +182,10 @@ def test_a_pose_that_fits_is_left_as_it_is():
 def test_a_pose_that_presses_the_model_flat_is_passed_over():
     surface, landmarks = Surface.of(MESH), landmarks_of(MESH)
     flat = Warp.linear(np.diag([1.0, 1.0, 0.0]), np.zeros(3))
-    assert registered(surface, landmarks, [flat, pose_of(surface)]).share > 0.99
+    assert laid(surface, landmarks, [flat, pose_of(surface)]).share > 0.99
 
 
 def test_too_few_landmarks_leave_the_pose_as_it_is():
     surface = Surface.of(MESH)
     few = landmarks_of(MESH).every(20)
-    assert registered(surface, few, [pose_of(surface)]).share == 0
+    assert laid(surface, few, [pose_of(surface)]).share == 0

@@ -1,6 +1,9 @@
 """What the key holds of a mesh that `range-dct` marked, and how it lays a suspect where that lay."""
 
+from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
@@ -65,7 +68,8 @@ class Laid(NamedTuple):
     tries: int
 
 
-class _Suspect(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Suspect:
     """What is laid over the landmarks: a mesh, its surface, the poses it may have, the likeliest first.
 
     `tries` is how many poses the landmarks chose that one from.
@@ -73,12 +77,31 @@ class _Suspect(NamedTuple):
 
     mesh: Mesh
     surface: Surface
+    landmarks: Landmarks
     poses: list[Warp]
     tries: int
 
-    def fit(self, landmarks: Landmarks) -> Fit:
+    @cached_property
+    def first(self) -> Fit:
+        """The fit from the likeliest pose."""
+        return posed(self.surface, self.landmarks, self.poses[0])
+
+    @cached_property
+    def others(self) -> list[Fit]:
+        """The fits from the other poses."""
+        return [posed(self.surface, self.landmarks, pose) for pose in self.poses[1:]]
+
+    def fit(self) -> Fit:
         """Return the best fit from the poses, without a search."""
-        return max((posed(self.surface, landmarks, pose) for pose in self.poses), key=lambda fit: fit.share)
+        return max((self.first, *self.others), key=lambda fit: fit.share)
+
+    def registered(self, mirrored: bool) -> Fit:
+        """Return the best fit, searched for where that of no pose is sure."""
+        return registered(self.surface, self.landmarks, self._fits(), mirrored=mirrored)
+
+    def _fits(self) -> Iterator[Fit]:
+        yield self.first
+        yield from self.others
 
     def laid(self, found: Fit, tries: int) -> Laid:
         """Return the mesh as a fit lays it, the best of so many poses of all suspects."""
@@ -165,31 +188,32 @@ class Reference(BaseModel):
         """
         landmarks = Landmarks.decode(self.landmarks)
         whole, parts = self._suspect(mesh, landmarks), large_parts(mesh)
-        if parts and not posed(whole.surface, landmarks, whole.poses[0]).exact:
+        if parts and not whole.first.exact:
             return self._amid(whole, parts, landmarks)
-        return whole.laid(self._registered(whole, landmarks), whole.tries)
+        return whole.laid(self._registered(whole), whole.tries)
 
-    def _amid(self, whole: "_Suspect", parts: list[Part], landmarks: Landmarks) -> Laid:
+    def _amid(self, whole: _Suspect, parts: list[Part], landmarks: Landmarks) -> Laid:
         """Lay a mesh of several parts, or one of these alone: each closed one by its own moments, too."""
-        suspects = [whole, *(self._suspect(part.mesh, landmarks) for part in parts if part.closed)]
-        fits = [one.fit(landmarks) for one in suspects]
+        closed = {n: self._suspect(part.mesh, landmarks) for n, part in enumerate(parts) if part.closed}
+        suspects = [whole, *closed.values()]
+        fits = [one.fit() for one in suspects]
         best = max(range(len(fits)), key=lambda k: (fits[k].share, k))
         tries = sum(one.tries for one in suspects)
         if best > 0 and fits[best].share >= SURE:
             return suspects[best].laid(fits[best], tries)
-        found, largest = self._registered(whole, landmarks), parts[0].mesh
+        found, largest = self._registered(whole), parts[0].mesh
         if found.share < DOUBTFUL and surface_area(largest) < NEARLY_ALL * surface_area(whole.mesh):
-            part = self._suspect(largest, landmarks)  # that lost a part itself, perhaps
-            fit = self._registered(part, landmarks)
-            tries += 0 if parts[0].closed else part.tries
+            part = closed.get(0) or self._suspect(largest, landmarks)  # that lost a part itself, perhaps
+            fit = self._registered(part)
+            tries += 0 if 0 in closed else part.tries
             if fit.share > found.share + UNLIKELY:
                 return part.laid(fit, tries)
         return whole.laid(found, tries)
 
-    def _registered(self, suspect: "_Suspect", landmarks: Landmarks) -> Fit:
-        return registered(suspect.surface, landmarks, suspect.poses, mirrored=self.ways == 1)
+    def _registered(self, suspect: _Suspect) -> Fit:
+        return suspect.registered(mirrored=self.ways == 1)
 
-    def _suspect(self, mesh: Mesh, landmarks: Landmarks) -> "_Suspect":
+    def _suspect(self, mesh: Mesh, landmarks: Landmarks) -> _Suspect:
         frames: list[AffineFrame] = []
         with suppress(NoSolidError):
             mesh, frames = recognized(
@@ -199,4 +223,4 @@ class Reference(BaseModel):
         poses = [self.home_pose(surface)]
         if frames:
             poses.insert(0, nearest(surface, landmarks, [self.pose(frame, surface) for frame in frames]))
-        return _Suspect(mesh, surface, poses, len(frames) or self.ways)
+        return _Suspect(mesh, surface, landmarks, poses, len(frames) or self.ways)

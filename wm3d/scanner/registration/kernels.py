@@ -1,30 +1,12 @@
-"""Numba kernels of registration: the points of a surface near a place, and probes of it in many poses.
-
-A pose takes a probe p to size · turn p + shift. What is near there is looked up from the cells of a cube
-about the origin, numbered along z, then y, then x; for a place outside the cube, from its nearest cell.
-"""
+"""Numba kernels of registration: the points of a surface near a place, warps, and what they lay where."""
 
 import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from wm3d.arrays import FloatArray, IntArray
 from wm3d.metrics.surface.tree.kernels import box_distance
-
-GRID, HALF_WIDTH = 50, 2.5
-"""Cells along a side of the cube in which landmarks are looked up, and half its width, in sizes."""
-
-CELL = 2 * HALF_WIDTH / GRID
-
-TOGETHER = 16
-"""Probes that are looked up in one go, as a processor does best."""
-
-OFF, NEARNESS, TILT = 0.25, 0.3, 0.1
-"""Distance from a landmark's tangent plane that counts in full, and what the distance from the landmark and
-1 − the cosine of the normals count beside. A smooth surface lies near to landmarks in wrong places too, but
-not in their planes."""
 
 Vector = tuple[float, float, float]
 
@@ -180,120 +162,3 @@ def _bent(point: Vector, coefficients: FloatArray) -> Vector:
         xx * c[0, 1] + yy * c[1, 1] + zz * c[2, 1] + xy * c[3, 1] + yz * c[4, 1] + zx * c[5, 1],
         xx * c[0, 2] + yy * c[1, 2] + zz * c[2, 2] + xy * c[3, 2] + yz * c[4, 2] + zx * c[5, 2],
     )
-
-
-@njit(cache=True)
-def cells(places: FloatArray) -> IntArray:
-    """Numbers of the cells in which (n, 3) places lie, or nearly: (n,)."""
-    numbers = np.empty(len(places), dtype=np.int64)
-    for n in range(len(places)):
-        numbers[n] = _cell((places[n, 0], places[n, 1], places[n, 2]))
-    return numbers
-
-
-@njit(cache=True, nogil=True)
-def nearest_tried(
-    probes: FloatArray,
-    turns: FloatArray,
-    sizes: FloatArray,
-    shifts: IntArray,
-    distance: NDArray[np.int32],
-    power: float,
-) -> tuple[FloatArray, IntArray, IntArray]:
-    """Least mean of the cells' `distance` from (k, 3) probes, over all sizes and shifts, for each turn.
-
-    Turns (n, 3, 3), sizes (a,), shifts (b, 3) in cells; `distance` is the cube in whole numbers, with as many
-    more cells on both sides of an axis as shifts go. A probe beside the cube is taken for one in the nearest
-    cell before it is shifted. Means are divided by a power of the size. Returns them and the places of size
-    and shift: (n,) each.
-    """
-    least = np.full(len(turns), np.inf)
-    size, shift = np.zeros(len(turns), dtype=np.int64), np.zeros(len(turns), dtype=np.int64)
-    rows, row = distance.shape[1:]
-    more = (np.array(distance.shape) - GRID) // 2 + shifts
-    steps, flat = (more[:, 0] * rows + more[:, 1]) * row + more[:, 2], distance.ravel()
-    cell, still = np.empty(len(probes), dtype=np.int32), np.zeros(3)
-    for n in range(len(turns)):
-        turned = _turned(probes, turns[n])
-        for a in range(len(sizes)):
-            for k in range(len(probes)):
-                x, y, z = _placed(turned[k], sizes[a], still)
-                cell[k] = (_layer(x) * rows + _layer(y)) * row + _layer(z)
-            share = 1 / len(probes) / sizes[a] ** power
-            for b in range(len(steps)):
-                total = _sum_below(flat, cell, np.int32(steps[b]), least[n] / share)
-                if share * total < least[n]:
-                    least[n], size[n], shift[n] = share * total, a, b
-    return least, size, shift
-
-
-@njit(cache=True)
-def _sum_below(flat: NDArray[np.int32], cell: NDArray[np.int32], step: int, limit: float) -> int:
-    """Sum of the cells a step on, or a part of it that is not below the limit."""
-    total, first = 0, 0
-    while first < len(cell) and total < limit:
-        last = min(first + TOGETHER, len(cell))
-        part = np.int32(0)
-        for k in range(first, last):
-            part += flat[cell[k] + step]
-        total, first = total + int(part), last
-    return total
-
-
-@njit(cache=True, nogil=True)
-def misfits(
-    probes: FloatArray,
-    probe_normals: FloatArray,
-    turns: FloatArray,
-    sizes: FloatArray,
-    shifts: FloatArray,
-    points: FloatArray,
-    normals: FloatArray,
-    nearest: IntArray,
-    distance: FloatArray,
-) -> FloatArray:
-    """How far (k, 3) probes lie off landmarks in each of n poses, on average: (n,). See `OFF`.
-
-    Landmarks are `points` and `normals`; each cell holds the `nearest` of them and its `distance`.
-    """
-    means = np.empty(len(turns))
-    for n in range(len(turns)):
-        turned, turned_normals = _turned(probes, turns[n]), _turned(probe_normals, turns[n])
-        total = 0.0
-        for k in range(len(probes)):
-            x, y, z = _placed(turned[k], sizes[n], shifts[n])
-            cell = _cell((x, y, z))
-            i = nearest[cell]
-            off = (x - points[i, 0]) * normals[i, 0] + (y - points[i, 1]) * normals[i, 1]
-            off = abs(off + (z - points[i, 2]) * normals[i, 2])
-            cosine = turned_normals[k, 0] * normals[i, 0] + turned_normals[k, 1] * normals[i, 1]
-            cosine += turned_normals[k, 2] * normals[i, 2]
-            total += min(off, OFF) + NEARNESS * distance[cell] + TILT * (1.0 - cosine)
-        means[n] = total / len(probes)
-    return means
-
-
-@njit(cache=True)
-def _turned(points: FloatArray, turn: FloatArray) -> FloatArray:
-    turned = np.empty_like(points)
-    for k in range(len(points)):
-        for i in range(3):
-            turned[k, i] = turn[i, 0] * points[k, 0] + turn[i, 1] * points[k, 1] + turn[i, 2] * points[k, 2]
-    return turned
-
-
-@njit(cache=True)
-def _placed(point: FloatArray, size: float, shift: FloatArray) -> Vector:
-    return size * point[0] + shift[0], size * point[1] + shift[1], size * point[2] + shift[2]
-
-
-@njit(cache=True)
-def _cell(place: Vector) -> int:
-    x, y, z = place
-    cell: int = (_layer(x) * GRID + _layer(y)) * GRID + _layer(z)
-    return cell
-
-
-@njit(cache=True)
-def _layer(coordinate: float) -> int:
-    return int(min(max((coordinate + HALF_WIDTH) / CELL, 0.0), GRID - 1.0))

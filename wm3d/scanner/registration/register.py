@@ -1,6 +1,6 @@
 """Laying a surface over landmarks: from the poses it may have, or from every side where they fail."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.search import Search, turned_starts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
-from wm3d.threads import by_halves
+from wm3d.threads import ahead, by_halves
 
 EXACT = FLOOR / 2
 """Distance at which half of the landmarks must be met for a pose to be left as it is."""
@@ -56,9 +56,7 @@ PROMISING, UNLIKELY = 0.75, 0.06
 does not meet so much more: a model may be nearly its own mirror image."""
 
 
-def registered(
-    surface: Surface, landmarks: Landmarks, poses: Sequence[Warp], *, mirrored: bool = False
-) -> Fit:
+def registered(surface: Surface, landmarks: Landmarks, fits: Iterable[Fit], *, mirrored: bool = False) -> Fit:
     """Return the warp that lays a surface over landmarks, and what share of them it meets.
 
     Only the shape decides, never a key: the p-value of a detector that reads the warped mesh stays exact.
@@ -67,22 +65,19 @@ def registered(
     ----------
     surface : Surface
     landmarks : Landmarks
-    poses : sequence of Warp
-        Linear maps that may lay the surface over the landmarks already, the likeliest first. A pose that does
-        so to a fraction of a cell is returned as it is.
+    fits : iterable of Fit
+        What `posed` makes of the poses that may lay the surface over the landmarks already, the likeliest
+        first; asked for no more once one does.
     mirrored : bool, optional
         Whether turned starts are tried with the mirror image, too; see `Warp.mirrors`.
     """
-    if len(landmarks.points) < FEWEST:
-        return Fit(poses[0], 0.0)
-    fits = []
-    for pose in poses:
-        if _presses_flat(pose):
-            continue
-        fits.append(posed(surface, landmarks, pose))
-        if fits[-1].exact or fits[-1].share >= SURE:
-            return fits[-1]
-    best = _best([*fits, *_searched(surface, landmarks, Search(mirrored=False, whole=False))])
+    tried = []
+    for fit in fits:
+        if len(landmarks.points) < FEWEST or fit.exact or fit.share >= SURE:
+            return fit
+        tried.append(fit)
+    sound = [fit for fit in tried if not _presses_flat(fit.warp)]
+    best = _best([*sound, *_searched(surface, landmarks, Search(mirrored=False, whole=False))])
     for search in FURTHER:
         if best.share >= SURE:
             break
@@ -133,10 +128,13 @@ def _searched(surface: Surface, landmarks: Landmarks, search: Search, least: flo
         ]
 
     one, other = by_halves(sketches, np.arange(len(starts)))
+    best = sorted(one + other, key=lambda fit: -fit.share)[:MOST_FINALISTS]
     fits: list[Fit] = []
-    for best in sorted(one + other, key=lambda fit: -fit.share)[:MOST_FINALISTS]:
-        clear = any(fit.share >= CLEAR for fit in fits)
-        if best.share < least or (len(fits) >= FINALISTS and clear):
+    for fit in ahead(
+        lambda sketched: _best(_bent(surface, landmarks, sketched.warp)),
+        [sketched for sketched in best if sketched.share >= least],
+    ):
+        if len(fits) >= FINALISTS and any(fit.share >= CLEAR for fit in fits):
             break
-        fits.append(_best(_bent(surface, landmarks, best.warp)))
+        fits.append(fit)
     return fits

@@ -1,6 +1,5 @@
 """Starts for a fit where nothing is known of the pose: turns, shifts and sizes of a part of the model."""
 
-import itertools
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Self
 
@@ -9,9 +8,10 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial.transform import Rotation
 
 from wm3d.arrays import BoolArray, FloatArray, IntArray
-from wm3d.scanner.registration import kernels
-from wm3d.scanner.registration.kernels import CELL, GRID
+from wm3d.scanner.registration import search_kernels as kernels
 from wm3d.scanner.registration.landmarks import Landmarks
+from wm3d.scanner.registration.search_kernels import CELL, GRID
+from wm3d.scanner.registration.shifts import Runs, even_shifts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
 from wm3d.scanner.turns import TURNS, apart, turns
@@ -23,9 +23,9 @@ STARTS, APART = 32, 20.0
 SIZES = (1.0, 0.85, 0.7, 0.55)
 """Sizes of the surface tried, in that of the landmarks: a part of a model is smaller than the whole."""
 
-SHIFT, SHIFT_AMID, REACH = 3, 2, 1.7
+SHIFT, SHIFT_AMID = 3, 2
 """Places of its middle tried: so many cells apart, fewer where the model may lie amid other things, for there
-it is small; and as far from that of the landmarks as these spread in the same direction, times this."""
+it is small."""
 
 AMID = 0.5
 """Power of the size by which misfits are divided there."""
@@ -44,9 +44,6 @@ KEPT = 96
 
 LEAST_SIZE, MOST_SIZE = 0.5, 1.1
 """Bounds of the sizes that are come to."""
-
-FINENESS = 1e-6
-"""Distances are told apart to that."""
 
 PROBES, FEW_PROBES, FAR = 250, 64, 0.5
 """Points of the surface, about, by which the best and by which all places are compared, and the distance from
@@ -164,8 +161,8 @@ def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, amid: bool) -> l
     field = _Field.of((others.points - goal) / size, others.normals, AMID if amid else 0.0)
 
     few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
-    hand, shifts = -OWN if mirrored else OWN, _shifts(field.points, SHIFT_AMID if amid else SHIFT)
-    tried, misfit = _tried(few, turns(TURNS) * hand, shifts, field)
+    hand, step = -OWN if mirrored else OWN, SHIFT_AMID if amid else SHIFT
+    tried, misfit = _tried(few, turns(TURNS) * hand, step, field)
     best = np.argsort(misfit, kind="stable")
     best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
     places = _descended(tried.some(best), FIRST_STEPS, probes, field)
@@ -178,27 +175,15 @@ def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, amid: bool) -> l
     ]
 
 
-def _shifts(points: FloatArray, step: int) -> IntArray:
-    """Return places amid points of middle 0, in cells and a step apart: (b, 3), the nearest to it first."""
-    most = int(REACH / CELL / step)
-    grid = step * np.array(list(itertools.product(range(-most, most + 1), repeat=3)))
-    spread = np.cov(points.T) / CELL**2 + np.eye(3)  # a cell at least, as of a flat sheet
-    far = np.einsum("bi,ij,bj->b", grid, np.linalg.inv(spread), grid)
-    order = np.argsort(far, kind="stable")
-    shifts: IntArray = grid[order[far[order] <= REACH**2]]
-    return shifts
-
-
-def _tried(
-    probes: Landmarks, candidates: FloatArray, shifts: IntArray, field: _Field
-) -> tuple[_Places, FloatArray]:
+def _tried(probes: Landmarks, candidates: FloatArray, step: int, field: _Field) -> tuple[_Places, FloatArray]:
     """Return the best size and shift for each of (n, 3, 3) turns, and how far probes then lie off: (n,)."""
-    sizes = np.array(SIZES)
-    most = np.abs(shifts).max(axis=0)
-    cube = np.pad(field.distance.reshape((GRID,) * 3), np.column_stack([most, most]), mode="edge")
-    whole = np.rint(cube / FINENESS).astype(np.int32)
+    sizes, shifts = np.array(SIZES), even_shifts(field.points, step)
+    axes = np.argsort(np.abs(shifts).max(axis=0), kind="stable")  # for the longest runs
+    cube = field.distance.reshape((GRID,) * 3).transpose(axes)
+    runs = Runs.of(shifts[:, axes], step, cube)
     halves = by_halves(
-        lambda half: kernels.nearest_tried(probes.points, half, sizes, shifts, whole, field.power), candidates
+        lambda half: kernels.nearest_tried(probes.points, half, sizes, *runs, field.power),
+        np.ascontiguousarray(candidates[:, axes]),
     )
     misfit, size, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
     return _Places(candidates, sizes[size], CELL * shifts[shift]), misfit

@@ -1,0 +1,160 @@
+"""Numba kernels of the search: probes of a surface in many poses.
+
+A pose takes a probe p to size · turn p + shift. What is near there is looked up from the cells of a cube
+about the origin, numbered along z, then y, then x; for a place outside the cube, from its nearest cell.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from wm3d.arrays import FloatArray, IntArray
+from wm3d.scanner.registration.kernels import Vector
+
+GRID, HALF_WIDTH = 50, 2.5
+"""Cells along a side of the cube in which landmarks are looked up, and half its width, in sizes."""
+
+CELL = 2 * HALF_WIDTH / GRID
+
+RUN = 4
+"""Shifts along an axis that are looked up in one go, as a processor does best."""
+
+OFF, NEARNESS, TILT = 0.25, 0.3, 0.1
+"""Distance from a landmark's tangent plane that counts in full, and what the distance from the landmark and
+1 − the cosine of the normals count beside. A smooth surface lies near to landmarks in wrong places too, but
+not in their planes."""
+
+
+@njit(cache=True)
+def cells(places: FloatArray) -> IntArray:
+    """Numbers of the cells in which (n, 3) places lie, or nearly: (n,)."""
+    numbers = np.empty(len(places), dtype=np.int64)
+    for n in range(len(places)):
+        numbers[n] = _cell((places[n, 0], places[n, 1], places[n, 2]))
+    return numbers
+
+
+@njit(cache=True, nogil=True)
+def nearest_tried(
+    probes: FloatArray,
+    turns: FloatArray,
+    sizes: FloatArray,
+    runs: IntArray,
+    rank: IntArray,
+    distance: NDArray[np.int32],
+    power: float,
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Least mean of the cells' `distance` from (k, 3) probes, over all sizes and shifts, for each turn.
+
+    Turns (n, 3, 3), sizes (a,). A probe beside the cube is taken for one in the nearest cell before it is
+    shifted. Means are divided by a power of the size. Returns them, the place of the size and the rank of the
+    shift, of equal ones the first: (n,) each.
+
+    Shifts stand in `runs` of `RUN` along the last axis, a step apart, so that they are added up side by side:
+    `rank` (c, `RUN`) numbers them, −1 where there is none. The cube has room for all of them around it and is
+    stored as `distance` (x, y, step, z), where every step-th cell along the axis stands next to the other;
+    `runs` (c, 3) is where the first shift of a run takes a probe in the first cell of the cube, in x, y, z.
+    """
+    least = np.full(len(turns), np.inf)
+    size, shift = np.zeros(len(turns), dtype=np.int64), np.zeros(len(turns), dtype=np.int64)
+    rows, step, row = distance.shape[1:]
+    starts, flat = (
+        ((runs[:, 0] * rows + runs[:, 1]) * step * row + runs[:, 2]).astype(np.uint64),
+        distance.ravel(),
+    )
+    totals, still = np.empty(rank.shape, dtype=np.int32), np.zeros(3)
+    for n in range(len(turns)):
+        turned = _turned(probes, turns[n])
+        for a in range(len(sizes)):
+            totals[:] = 0
+            for k in range(len(probes)):
+                x, y, z = _placed(turned[k], sizes[a], still)
+                layer = _layer(z)
+                line = (_layer(x) * rows + _layer(y)) * step + layer % step
+                _add_runs(totals, flat, starts, np.uint64(line * row + layer // step))
+            share = 1 / len(probes) / sizes[a] ** power
+            total, first = _first_least(totals, rank)
+            if share * total < least[n]:
+                least[n], size[n], shift[n] = share * total, a, first
+    return least, size, shift
+
+
+@njit(cache=True)
+def _add_runs(
+    totals: NDArray[np.int32], flat: NDArray[np.int32], starts: NDArray[np.uint64], cell: np.uint64
+) -> None:
+    """Add to each run of totals the run of cells from its start on; unsigned, so that it is vectorized."""
+    for c in range(len(starts)):
+        start = starts[c] + cell
+        for j in range(RUN):
+            totals[c, j] += flat[start + np.uint64(j)]
+
+
+@njit(cache=True)
+def _first_least(totals: NDArray[np.int32], rank: IntArray) -> tuple[int, int]:
+    """Return the least of the totals that have a rank, and of equal ones the least rank."""
+    least, first = np.iinfo(np.int32).max, -1
+    for c in range(len(totals)):
+        for j in range(RUN):
+            if rank[c, j] >= 0 and (totals[c, j] < least or (totals[c, j] == least and rank[c, j] < first)):
+                least, first = totals[c, j], rank[c, j]
+    return least, first
+
+
+@njit(cache=True, nogil=True)
+def misfits(
+    probes: FloatArray,
+    probe_normals: FloatArray,
+    turns: FloatArray,
+    sizes: FloatArray,
+    shifts: FloatArray,
+    points: FloatArray,
+    normals: FloatArray,
+    nearest: IntArray,
+    distance: FloatArray,
+) -> FloatArray:
+    """How far (k, 3) probes lie off landmarks in each of n poses, on average: (n,). See `OFF`.
+
+    Landmarks are `points` and `normals`; each cell holds the `nearest` of them and its `distance`.
+    """
+    means = np.empty(len(turns))
+    for n in range(len(turns)):
+        turned, turned_normals = _turned(probes, turns[n]), _turned(probe_normals, turns[n])
+        total = 0.0
+        for k in range(len(probes)):
+            x, y, z = _placed(turned[k], sizes[n], shifts[n])
+            cell = _cell((x, y, z))
+            i = nearest[cell]
+            off = (x - points[i, 0]) * normals[i, 0] + (y - points[i, 1]) * normals[i, 1]
+            off = abs(off + (z - points[i, 2]) * normals[i, 2])
+            cosine = turned_normals[k, 0] * normals[i, 0] + turned_normals[k, 1] * normals[i, 1]
+            cosine += turned_normals[k, 2] * normals[i, 2]
+            total += min(off, OFF) + NEARNESS * distance[cell] + TILT * (1.0 - cosine)
+        means[n] = total / len(probes)
+    return means
+
+
+@njit(cache=True)
+def _turned(points: FloatArray, turn: FloatArray) -> FloatArray:
+    turned = np.empty_like(points)
+    for k in range(len(points)):
+        for i in range(3):
+            turned[k, i] = turn[i, 0] * points[k, 0] + turn[i, 1] * points[k, 1] + turn[i, 2] * points[k, 2]
+    return turned
+
+
+@njit(cache=True)
+def _placed(point: FloatArray, size: float, shift: FloatArray) -> Vector:
+    return size * point[0] + shift[0], size * point[1] + shift[1], size * point[2] + shift[2]
+
+
+@njit(cache=True)
+def _cell(place: Vector) -> int:
+    x, y, z = place
+    cell: int = (_layer(x) * GRID + _layer(y)) * GRID + _layer(z)
+    return cell
+
+
+@njit(cache=True)
+def _layer(coordinate: float) -> int:
+    return int(min(max((coordinate + HALF_WIDTH) / CELL, 0.0), GRID - 1.0))
