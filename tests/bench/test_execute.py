@@ -14,6 +14,7 @@ from shapes import blob
 from wm3d import component as component_module
 from wm3d.attacks import Clean, Simplify
 from wm3d.bench import execute as execute_module
+from wm3d.bench.columns import LOST, TRY_AGAIN
 from wm3d.bench.execute import execute
 from wm3d.bench.plan import Task, TrialCell
 from wm3d.bench.worker import work
@@ -42,9 +43,16 @@ def test_a_cell_that_kills_its_workers_is_lost_alone(tmp_path):
         assert [cell.digest for cell in done.cells] == list(rows)
         assert not found.keys() & rows.keys()
         found |= rows
-    lost = {cell.digest for each in given for cell in each.cells if cell.attack == always}
-    assert found.keys() == {cell.digest for each in given for cell in each.cells} - lost
-    assert all((rows["log10_p"] < -3).all() for rows in found.values())
+    cells = {cell.digest: cell for each in given for cell in each.cells}
+    assert found.keys() == cells.keys()
+    for digest, rows in found.items():
+        if cells[digest].attack == always:
+            assert rows.attrs == {TRY_AGAIN: True, LOST: True}
+            assert rows["error"].tolist() == ["its worker died or ran out of memory each time"]
+            assert rows["log10_p"].isna().all()
+        else:
+            assert not rows.attrs
+            assert (rows["log10_p"] < -3).all()
 
 
 @pytest.mark.usefixtures("misbehaving")
@@ -53,9 +61,14 @@ def test_a_cell_that_runs_out_of_memory_is_lost_alone(workers):
     from throwaway import Starving
 
     given = [task(Clean(), Starving(), Simplify()), task(Starving(), start=1), task(Clean(), start=2)]
-    found = [cell for done, _ in execute(given, MESHES, workers=workers, dask=None) for cell in done.cells]
-    expected = [cell for each in given for cell in each.cells if not isinstance(cell.attack, Starving)]
-    assert sorted(cell.digest for cell in found) == sorted(cell.digest for cell in expected)
+    rows = {
+        cell: rows[cell.digest]
+        for done, rows in execute(given, MESHES, workers=workers, dask=None)
+        for cell in done.cells
+    }
+    assert {cell.digest for cell in rows} == {cell.digest for each in given for cell in each.cells}
+    lost = {cell for cell in rows if rows[cell].attrs.get(LOST)}
+    assert lost == {cell for cell in rows if isinstance(cell.attack, Starving)}
 
 
 @pytest.mark.parametrize(("count", "started"), [(1, 2), (2, 2), (3, 3), (9, 5)])

@@ -2,6 +2,7 @@
 
 import errno
 import json
+import math
 import shutil
 from pathlib import Path
 
@@ -273,6 +274,11 @@ def test_a_cell_for_which_memory_ran_out_is_named_and_run_again(
     told = capsys.readouterr().err
     assert "gaussian-noise 0.6 rms-vector: 4 trials are lost, for their worker died or ran out of" in told
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["lost_trials"] == 4
+    starved = detection(tmp_path / "run").loc["gaussian-noise 0.6 rms-vector"]
+    assert starved[["trials", "failed"]].tolist() == [0, 4]  # an average must not go without them
+    assert math.isnan(starved["pd_1e-06"])
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    assert "Nothing that was tried removes it" not in page
     assert run_config(path, **again).failed == 0
     assert results(tmp_path / "run") == results(small_run)
 

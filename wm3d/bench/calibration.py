@@ -29,17 +29,26 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> tuple[dict[str, Any], 
         raise
     except Exception as error:  # whatever an engine raises fails this scheme, not the run; the row says it
         met = error
-    row = {
-        "mesh": cell.mesh,
-        "scheme": cell.label,
-        "method": uncalibrated(scheme).label(),
-        "budget": budget.label(),
-        "metric": budget.metric,
-        "wanted": budget.value,
+    row = uncalibrated_row(cell, "" if met is None else in_words(met)) | {
         "reached": reached,
-        "parameter": scheme.strength,
         "strength": strength,
         "seconds": time.perf_counter() - start,
-        "error": "" if met is None else in_words(met),
     }
     return row, met
+
+
+def uncalibrated_row(cell: CalibrationCell, error: str) -> dict[str, Any]:
+    """Return the row of a calibration of which nothing is known but what went wrong."""
+    return {
+        "mesh": cell.mesh,
+        "scheme": cell.label,
+        "method": uncalibrated(cell.scheme).label(),
+        "budget": cell.budget.label() if cell.budget else "",
+        "metric": cell.budget.metric if cell.budget else "",
+        "wanted": cell.budget.value if cell.budget else float("nan"),
+        "reached": float("nan"),
+        "parameter": cell.scheme.strength,
+        "strength": float("nan"),
+        "seconds": float("nan"),
+        "error": error,
+    }

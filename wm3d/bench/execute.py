@@ -12,6 +12,7 @@ from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 from wm3d.bench.allocator import keeping_memory
 from wm3d.bench.plan import Task
+from wm3d.bench.trial import lost_rows
 from wm3d.bench.worker import leave_with_parent, work
 from wm3d.mesh import Mesh
 
@@ -29,7 +30,7 @@ def execute(
 
     A worker that is killed (by the system when memory runs out, say) costs no more than the tasks in flight;
     one that is told in time that memory has run out, no more than that cell. These cells are run again, first
-    together, then each on its own. A cell that fails even then is not among the results.
+    together, then each on its own. A cell that fails even then has the rows that `lost_rows` makes.
 
     Parameters
     ----------
@@ -49,7 +50,8 @@ def execute(
         left = yield from _tried(run, tasks)
         left = yield from _tried(run, [part for task in left for part in task.split()])
         for task in left:
-            yield from _tried(run, [task])
+            for lost in (yield from _tried(run, [task])):
+                yield lost, {cell.digest: lost_rows(cell) for cell in lost.cells}
 
 
 def _tried(run: Run, tasks: list[Task]) -> Generator[Result, None, list[Task]]:

@@ -36,7 +36,7 @@ def manifest(
     started : datetime
         When the run began; it ends now.
     lost_trials : int
-        Attacked meshes without rows because their worker died or ran out of memory.
+        Attacked meshes that failed because their worker died or ran out of memory.
     """
     ended = datetime.now(UTC)
     content: dict[str, Any] = {

@@ -1,6 +1,5 @@
 """One experiment from config to figures: plan, run what is missing, report what is there."""
 
-import math
 import sys
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -11,12 +10,12 @@ from pathlib import Path
 import pandas as pd
 
 from wm3d.bench.cluster import check_scheduler
-from wm3d.bench.columns import COLUMNS, TRY_AGAIN
+from wm3d.bench.columns import COLUMNS, LOST, TRY_AGAIN
 from wm3d.bench.config import Experiment, load_experiment
 from wm3d.bench.estimate import print_estimate
 from wm3d.bench.execute import default_workers, execute
 from wm3d.bench.manifest import manifest
-from wm3d.bench.plan import Cell, calibrations, plan, tasks
+from wm3d.bench.plan import Cell, TrialCell, calibrations, plan, tasks
 from wm3d.bench.progress import reporter
 from wm3d.bench.report import read_manifest, write_report
 from wm3d.bench.store import DamagedCellError, RunDirectory
@@ -95,8 +94,7 @@ def run_config(
         started, earlier = datetime.now(UTC), _reported(directory)
         directory.begin(write_yaml(experiment.model_dump(mode="json")))
         lost = _run_missing(first, meshes, directory, workers, dask) if first else []
-        strengths = dict.fromkeys((cell.digest for cell in lost), math.nan) | _strengths(first, directory)
-        cells = plan(experiment, meshes, strengths)
+        cells = plan(experiment, meshes, _strengths(first, directory))
         if earlier and earlier.isdisjoint(cell.digest for cell in cells):
             print(
                 f"{directory.path}: held a run of other trials; its cells are kept, its tables and report "
@@ -104,12 +102,14 @@ def run_config(
                 file=sys.stderr,
             )
         lost += _run_missing(cells, meshes, directory, workers, dask)
-        stored = [cell for cell in [*first, *cells] if cell not in lost]
         lost_trials = sum(cell.trials for cell in lost)
-        directory.write_text("manifest.json", manifest(experiment, meshes, stored, started, lost_trials))
+        directory.write_text(
+            "manifest.json", manifest(experiment, meshes, [*first, *cells], started, lost_trials)
+        )
         report = write_report(directory.path)
         print_summary(report.tables, directory.path, report.refused)
-    return Outcome(directory.path, lost_trials + report.failed)
+    beside = sum(cell.trials for cell in lost if cell.kind != TrialCell.kind)  # no trials of the report
+    return Outcome(directory.path, report.failed + beside)
 
 
 def _reported(directory: RunDirectory) -> set[str]:
@@ -155,19 +155,19 @@ def _run_missing(
     todo = tasks(missing)
     if len(missing) < len(cells):
         print(f"{len(cells) - len(missing)} of {len(cells)} cells are there already.", file=sys.stderr)
-    left = {cell.digest: cell for cell in missing}
+    lost: list[Cell] = []
     with reporter(len(missing), sum(cell.trials for cell in missing)) as progress:
         for task, rows in execute(todo, meshes, workers, dask):
             for cell in task.cells:
                 directory.write_cell(cell.digest, rows[cell.digest])
-                del left[cell.digest]
+            lost += [cell for cell in task.cells if rows[cell.digest].attrs.get(LOST)]
             progress.advance(len(task.cells), task.trials)
-    _tell_lost(left.values())
-    return list(left.values())
+    _tell_lost(lost)
+    return lost
 
 
 def _tell_lost(cells: Iterable[Cell]) -> None:
-    """Say which trials have no rows because their worker died or ran out of memory."""
+    """Say which trials failed because their worker died or ran out of memory."""
     lost: dict[tuple[str, str, str], int] = {}
     for cell in cells:
         names = (cell.mesh, cell.label, cell.attack.label())

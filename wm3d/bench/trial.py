@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from wm3d.bench.calibration import calibration_row
-from wm3d.bench.columns import COLUMNS, TRY_AGAIN
+from wm3d.bench.calibration import calibration_row, uncalibrated_row
+from wm3d.bench.columns import COLUMNS, LOST, TRY_AGAIN
 from wm3d.bench.plan import CalibrationCell, Cell, FalseAlarmCell, Task, TrialCell
 from wm3d.bench.seeds import derived_seed
 from wm3d.bench.subjects import NotMarkedError, Subjects
@@ -24,8 +24,11 @@ _SECONDS = ("seconds", "embed_seconds", "attack_seconds", "score_seconds")
 _MEASURED = ("statistic", "z", "log10_p", "snr_db", "axis_deg", "log10_p_least")
 _ONCE = ("bit_error_rate", "embed_mb")  # of the key that was embedded, or of embedding it
 
-_LOST = dict.fromkeys(("statistic", "z", "log10_p", "log10_p_least"), 0.0)
+_UNREAD = dict.fromkeys(("statistic", "z", "log10_p", "log10_p_least"), 0.0)
 """Score of a key that its mesh could not carry: p = 1, as where the mark cannot be read."""
+
+GONE = "its worker died or ran out of memory each time"
+"""The `error` of trials that left nothing behind."""
 
 Row = dict[str, Any]
 
@@ -59,6 +62,18 @@ def run_task(meshes: Mapping[str, Mesh], task: Task) -> dict[str, pd.DataFrame]:
             except MemoryError:  # that is about this machine, not about the mesh: there is nothing to store
                 del made[cell.digest]
     return {cell.digest: _frame(cell, made[cell.digest]) for cell in task.cells if cell.digest in made}
+
+
+def lost_rows(cell: Cell) -> pd.DataFrame:
+    """Return the rows of a cell that no worker could make: each trial failed, and is to be tried again."""
+    rows: list[Row] = []
+    if isinstance(cell, CalibrationCell):
+        rows = [uncalibrated_row(cell, GONE)]
+    elif isinstance(cell, TrialCell):
+        rows = [_blank(cell, trial) | {"error": GONE} for trial in range(cell.start, cell.stop)]
+    frame = _frame(cell, [(rows, None)])
+    frame.attrs = {TRY_AGAIN: True, LOST: True}
+    return frame
 
 
 def _made(cell: Cell, trial: int, subjects: Subjects, meshes: Mapping[str, Mesh]) -> Made:
@@ -119,7 +134,7 @@ def _trial_rows(cell: TrialCell, trial: int, subjects: Subjects) -> Made:
     except NotMarkedError as refusal:
         if cell.hypothesis != "H1":
             return [], refusal  # there is no such key; H1 rows say so
-        row |= _LOST | ({"bit_error_rate": 0.5} if cell.scheme.message else {})
+        row |= _UNREAD | ({"bit_error_rate": 0.5} if cell.scheme.message else {})
         return [row | {"error": str(refusal)}], refusal
     except Exception as error:  # whatever an engine raises fails this trial, not the run; the row says it
         return [row | {"error": in_words(error)}], error
