@@ -1,6 +1,7 @@
 """Registries: built-in components, those of installed packages, and what they say to a wrong name."""
 
 import re
+from abc import ABC, abstractmethod
 from importlib.metadata import EntryPoint
 from typing import Annotated, Literal
 
@@ -28,6 +29,17 @@ class Blue(Paint):
 
 class Crimson(Paint):
     name: Literal["red"] = "red"
+
+
+class Scarlet(Red):
+    pass
+
+
+class Coated(Paint, ABC):
+    name: Literal["coated"] = "coated"
+
+    @abstractmethod
+    def coat(self) -> None: ...
 
 
 @pytest.fixture
@@ -115,6 +127,8 @@ def test_the_name_is_no_parameter_that_can_be_another():
     [
         ("Crimson", "the paint name 'red' is taken; .*:Crimson must use another"),
         ("Registry", "the entry point .*:Registry is not a paint: it must derive from .*Paint"),
+        ("Scarlet", "the paint .*:Scarlet has the name 'red' of Red, from which it derives; give it its own"),
+        ("Coated", "the paint .*:Coated is abstract, it lacks coat; name a class that has all"),
         ("plugins", "the entry point .*:plugins is not a paint"),
         (
             "Nothing",

@@ -69,6 +69,16 @@ class Registry(Mapping[str, type[T]], Generic[T]):
                 f"the entry point {point.value} is not a {self.kind}: it must derive from "
                 f"{self._base.__module__}.{self._base.__name__}."
             )
+        if missing := getattr(cls, "__abstractmethods__", None):
+            raise Wm3dError(
+                f"the {self.kind} {point.value} is abstract, it lacks {', '.join(sorted(missing))}; "
+                "name a class that has all, or leave out the entry point."
+            )
+        if heir_of := [base.__name__ for base in cls.__bases__ if _shares_name(cls, base)]:
+            raise Wm3dError(
+                f"the {self.kind} {point.value} has the name {component_name(cls)!r} of {heir_of[0]}, from "
+                'which it derives; give it its own, name: Literal["its-name"] = "its-name".'
+            )
         return cls
 
     def __getitem__(self, name: str) -> type[T]:
@@ -134,6 +144,14 @@ class OneOf:
 def component_name(cls: type[Component]) -> str:
     """Return the name under which a component class is known: the default of its field `name`."""
     return str(cls.model_fields["name"].default)
+
+
+def _shares_name(cls: type[Component], base: type) -> bool:
+    return (
+        issubclass(base, Component)
+        and "name" in base.model_fields
+        and component_name(base) == component_name(cls)
+    )
 
 
 def describe(error: ValidationError, cls: type[Component]) -> str:

@@ -72,12 +72,27 @@ class Bounded(Swelling):
     growth: Annotated[float, Field(gt=0, lt=0.5)] = 0.1
 
 
-def test_strength_stays_below_its_bound():
-    assert Bounded().at_snr(box(), 0, 6.5).growth == pytest.approx(10 ** (-6.5 / 20))
+class Closed(Swelling):
+    """Can grow a mesh by half at most."""
+
+    growth: Annotated[float, Field(gt=0, le=0.5)] = 0.1
+
+
+@pytest.mark.parametrize("scheme", [Bounded(), Closed()])
+def test_strength_stays_within_its_bound(scheme: Swelling):
+    assert scheme.at_snr(box(), 0, 6.5).growth == pytest.approx(10 ** (-6.5 / 20))
     with pytest.raises(
         Wm3dError, match=r"^box: swelling .* an SNR of 5\.9 dB; the nearest is 0\.121 dB too weak\.$"
     ):
-        Bounded().at_snr(box(), 0, 5.9)  # a growth of 0.507
+        scheme.at_snr(box(), 0, 5.9)  # a growth of 0.507
+
+
+def test_a_strength_that_names_no_parameter_is_told():
+    class Strange(Swelling):
+        strength = "force"
+
+    with pytest.raises(Wm3dError, match=r"^Strange: `strength` is 'force', which is none of its parameters"):
+        Strange().at_snr(box(), 0, 6.5)
 
 
 class RefusingNearItsBound(Bounded):

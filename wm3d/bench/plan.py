@@ -224,7 +224,7 @@ def calibrations(experiment: Experiment, meshes: Mapping[str, Mesh]) -> list[Cel
 
 def uncalibrated(scheme: Scheme) -> Scheme:
     """Return a scheme with the default of its strength, where it has one."""
-    strength = type(scheme).model_fields[scheme.strength]
+    strength = scheme.strength_field()
     return scheme if strength.is_required() else _of_strength(scheme, strength.default)
 
 

@@ -131,9 +131,11 @@ def key_survives_json(scheme: Scheme) -> None:
 
 def strength_sets_the_distortion(scheme: Scheme) -> None:
     """Half the `strength` gives a higher SNR."""
-    field = getattr(type(scheme), "strength", None)
-    if field not in type(scheme).model_fields:
-        raise Broken(f"`strength` is {field!r}, which is none of its parameters.")
+    try:
+        scheme.strength_field()
+    except Wm3dError as error:
+        raise Broken(str(error)) from None
+    field = scheme.strength
     half = scheme.model_copy(update={field: getattr(scheme, field) / 2})
     full_snr, half_snr = (snr(_good(), marked) for marked, _ in (_usual(scheme), half.embed(_good(), SEED)))
     if not half_snr > full_snr:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self
 
 from pydantic import ValidationError
+from pydantic.fields import FieldInfo
 from scipy.optimize import brentq
 
 from wm3d.arrays import SignArray
@@ -176,10 +177,27 @@ class Scheme(Component, ABC):
     def _of_log_strength(self, log_strength: float) -> Self:
         return self.model_copy(update={self.strength: math.exp(log_strength)})
 
+    @classmethod
+    def strength_field(cls) -> FieldInfo:
+        """Return the field that `strength` names.
+
+        Raises
+        ------
+        Wm3dError
+            If it names none.
+        """
+        named = getattr(cls, "strength", None)
+        if named not in cls.model_fields:
+            raise Wm3dError(
+                f"{cls.__name__}: `strength` is {named!r}, which is none of its parameters, so no distortion "
+                "can be asked for; name the parameter that scales it."
+            )
+        return cls.model_fields[named]
+
     def _strength_limit(self) -> float:
         """Return the bound that the field of the strength declares, ∞ if none."""
-        metadata = type(self).model_fields[self.strength].metadata
-        return min((m.lt for m in metadata if hasattr(m, "lt")), default=math.inf)
+        bounds = (getattr(m, end, None) for m in self.strength_field().metadata for end in ("lt", "le"))
+        return min((float(bound) for bound in bounds if bound is not None), default=math.inf)
 
 
 def _words(fault: Mapping[str, Any]) -> str:
