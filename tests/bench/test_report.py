@@ -183,8 +183,16 @@ def test_names_are_text_and_never_markup(tmp_path: Path) -> None:
 
 
 def test_the_terminal_names_a_mesh_as_it_is_named(tmp_path: Path, capsys) -> None:
-    print_summary(write_report(made_up_run(tmp_path, mesh="NA").path).tables, tmp_path, refused={})
-    assert capsys.readouterr().out.startswith("NA, song2002\n attack")  # pandas reads "NA" as nothing
+    for name in ("NA", "[red]bunny"):  # pandas reads "NA" as nothing, and brackets may be markup
+        print_summary(write_report(made_up_run(tmp_path, mesh=name).path).tables, tmp_path, refused={})
+        assert capsys.readouterr().out.startswith(f"{name}, song2002\n attack")
+
+
+def test_no_report_is_written_while_a_run_writes_there(tmp_path: Path) -> None:
+    directory = made_up_run(tmp_path)
+    with directory.locked(), pytest.raises(Wm3dError, match="another run is writing here"):
+        write_report(directory.path)
+    assert not (tmp_path / "report.html").exists()
 
 
 def test_page_and_terminal_say_why_a_scheme_marked_a_mesh_with_no_key(tmp_path: Path, capsys) -> None:

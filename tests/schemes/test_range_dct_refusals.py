@@ -27,6 +27,12 @@ def test_scheme_without_a_reference_says_so():
             call()
 
 
+def test_a_suspect_without_area_is_refused(embedded):
+    line = Mesh(np.arange(4)[:, None] * np.ones(3), [[0, 1, 2], [1, 2, 3]], "line")
+    with pytest.raises(Wm3dError, match=r"^line: its faces have no area"):
+        embedded[1].score(line, 1)
+
+
 SHEET = Mesh([[0, 0, 0], [5, 0, 0], [5, 3, 0], [0, 2, 0]], [[0, 1, 2], [0, 2, 3]], "sheet")
 
 
@@ -109,6 +115,7 @@ GOOD = {
         ({"reference": GOOD | {"home": (1e-300,) * 12}}, "must not shrink a mesh by more than 1e+60"),
         ({"reference": GOOD | {"landmarks": "AAAA"}}, "rows of 6 numbers, and 3 bytes are not"),
         ({"reference": GOOD | {"landmarks": "é"}}, "landmarks must be base64"),
+        ({"reference": GOOD | {"landmarks": packed(np.ones((70, 6)))}}, "must not all lie in one place"),
         ({"reference": GOOD | {"steps": packed(np.ones(95))}}, "grid of 96×64 has 96 blocks, but 95 steps"),
         ({"reference": GOOD | {"steps": packed(-np.ones(96))}}, "steps must not be negative"),
         ({"reference": GOOD | {"steps": packed(np.full(96, np.inf))}}, "steps must be finite numbers"),

@@ -72,6 +72,10 @@ def test_classes_without_trials_have_no_numbers():
         assert math.isnan(value)
 
 
+def test_area_without_any_evidence_is_zero_and_not_less():
+    assert str(auc([0.0, 0.0])) == "0.0"
+
+
 def test_one_trial_makes_a_step():
     curve = roc([-7.0], [-8.0, -7.0, -6.0])
     assert curve.pd.tolist() == [0.0, 1.0, 1.0]

@@ -97,7 +97,8 @@ def _curves(attacks: Mapping[str, pd.DataFrame], keys: int, sigmas: Mapping[str,
     for attack, group in attacks.items():
         scored = group[group["log10_p"].notna()]
         name = attack_name(attack, [sigmas.get(attack, np.nan)])
-        label = textwrap.fill(f"{name}: d′ = {d_prime(scored['z']):.1f}", 80)
+        distance = f"d′ = {d_prime(scored['z']):.1f}" if len(scored) else "failed"
+        label = textwrap.fill(f"{name}: {distance}", 80)
         label += f" ({len(scored)} of {keys} keys)" if len(scored) < keys else ""
         log10_p = np.sort(np.maximum(scored["log10_p"].to_numpy(np.float64), LEAST_LOG10_PF))
         curves.append(_Curve(label, attack.partition(" ")[0], log10_p))

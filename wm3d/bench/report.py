@@ -50,7 +50,7 @@ class Report:
 
 
 def write_report(run_dir: str | Path) -> Report:
-    """Write tables, figures and report.html from the cells that the manifest lists; an earlier report goes.
+    """Write tables, figures and report.html of a finished run; an earlier report goes.
 
     Parameters
     ----------
@@ -63,9 +63,17 @@ def write_report(run_dir: str | Path) -> Report:
     Raises
     ------
     Wm3dError
-        If this is not a run directory, a cell is missing or damaged, or no scheme could be calibrated.
+        If this is not a run directory, another run is writing there, a cell is missing or damaged, or no
+        scheme could be calibrated.
     """
     directory = RunDirectory(run_dir)
+    read_manifest(directory)  # where there is none, no lock is left behind
+    with directory.locked():
+        return report_of(directory)
+
+
+def report_of(directory: RunDirectory) -> Report:
+    """Do what `write_report` does in a directory that this process holds."""
     manifest = read_manifest(directory)
     experiment = load_experiment(directory.path / "config.yaml")
     calibration = _read_calibration(directory, manifest)

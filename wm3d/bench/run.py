@@ -17,7 +17,7 @@ from wm3d.bench.execute import default_workers, execute
 from wm3d.bench.manifest import manifest
 from wm3d.bench.plan import Cell, TrialCell, calibrations, plan, tasks
 from wm3d.bench.progress import reporter
-from wm3d.bench.report import read_manifest, write_report
+from wm3d.bench.report import read_manifest, report_of
 from wm3d.bench.store import DamagedCellError, RunDirectory
 from wm3d.bench.summary import print_summary
 from wm3d.bench.yamlfile import write_yaml
@@ -106,7 +106,7 @@ def run_config(
         directory.write_text(
             "manifest.json", manifest(experiment, meshes, [*first, *cells], started, lost_trials)
         )
-        report = write_report(directory.path)
+        report = report_of(directory)
         print_summary(report.tables, directory.path, report.refused)
     beside = sum(cell.trials for cell in lost if cell.kind != TrialCell.kind)  # no trials of the report
     return Outcome(directory.path, report.failed + beside)

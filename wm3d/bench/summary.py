@@ -81,7 +81,7 @@ def print_summary(
     for (mesh, scheme), group in table.groupby(["mesh", "scheme"], sort=False):
         console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
         if why := refused.get((str(mesh), str(scheme))):
-            console.print(f" {NOT_MARKED}{why}", highlight=False, markup=False, soft_wrap=True)
+            console.print(f" {NOT_MARKED}{why}", highlight=False, soft_wrap=True)
             continue
         output = Table(box=None, padding=(0, 1))
         output.add_column("attack")
@@ -105,7 +105,7 @@ def print_summary(
 
 def table_console() -> Console:
     """Return a console on stdout that does not squeeze tables where no terminal asks for it."""
-    console = Console()
+    console = Console(markup=False)  # names may hold brackets
     if not console.is_terminal:
         console.width = PLAIN_WIDTH
     return console

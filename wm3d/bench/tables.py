@@ -89,7 +89,7 @@ def _detection_row(group: pd.DataFrame, pf: Sequence[float]) -> Line:
         "failed": len(group) - len(scored),
         "unreadable": int(unreadable.sum()),
         "refused": int(scored["snr_db"].isna().sum()),
-        "faces_out": scored["faces_out"].mean(),
+        "faces_out": scored.loc[scored["snr_db"].notna(), "faces_out"].mean(),  # of those that were marked
         "z_mean": z.mean() if len(z) else np.nan,
         "z_std": z.std(ddof=1) if len(z) > 1 else np.nan,
         "d_prime": d_prime(z),

@@ -44,7 +44,9 @@ Entry = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
 
 
 def _checked_landmarks(text: str) -> str:
-    Landmarks.decode(text)
+    points = Landmarks.decode(text).points
+    if len(points) and not points.std(axis=0).any():
+        raise ValueError("landmarks must not all lie in one place")
     return text
 
 

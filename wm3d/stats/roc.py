@@ -113,7 +113,7 @@ def auc(log10_p: ArrayLike) -> float:
         log10 of the p-value of each H1 trial. NaN is returned without any.
     """
     logs = np.asarray(log10_p, dtype=np.float64)
-    return float(-np.expm1(logs * LN10).mean()) if logs.size else float("nan")
+    return float(0.0 - np.expm1(logs * LN10).mean()) if logs.size else float("nan")
 
 
 def eer(log10_p: ArrayLike) -> float:

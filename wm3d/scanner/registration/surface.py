@@ -6,7 +6,8 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from wm3d.arrays import FloatArray
-from wm3d.mesh import Mesh, orientation, surface_points
+from wm3d.errors import Wm3dError
+from wm3d.mesh import Mesh, orientation, surface_area, surface_points
 from wm3d.metrics.surface import boxes, tree_order
 from wm3d.scanner.registration import kernels
 
@@ -55,7 +56,15 @@ class Surface:
 
     @classmethod
     def of(cls, mesh: Mesh) -> "Surface":
-        """Spread points over the faces of a mesh."""
+        """Spread points over the faces of a mesh.
+
+        Raises
+        ------
+        Wm3dError
+            If the faces have no area.
+        """
+        if not surface_area(mesh) > 0:
+            raise Wm3dError(f"{mesh.name}: its faces have no area, so there is no surface to look at.")
         points, normals = surface_points(mesh.vertices, mesh.faces, POINTS)
         middle = points.mean(axis=0)
         points = points - middle
