@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, model_validator
 
 from wm3d.errors import Wm3dError
 
@@ -28,6 +28,14 @@ class Component(BaseModel):
 
     version: ClassVar[int] = 1
     legend: ClassVar[tuple[str, ...]] = ()
+
+    @model_validator(mode="after")
+    def _hashable(self) -> Self:
+        try:
+            hash(self)
+        except TypeError as error:
+            raise ValueError(f"cannot be hashed ({error}); let its parameters be tuples, not lists") from None
+        return self
 
     @property
     def engines(self) -> tuple[str, ...]:

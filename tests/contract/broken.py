@@ -33,11 +33,6 @@ class BadName(Harmless):
     name: Literal["Bad Name"] = "Bad Name"
 
 
-class Unhashable(Harmless):
-    name: Literal["unhashable"] = "unhashable"
-    percents: list[float] = [1.0]  # noqa: RUF012 (a field, which pydantic copies)
-
-
 class Thawed(Harmless):
     model_config = ConfigDict(frozen=False)
     name: Literal["thawed"] = "thawed"
@@ -131,7 +126,6 @@ class Brittle(Harmless):
 ATTACKS: dict[type[Attack], tuple[str, str]] = {
     ManyNames: ("has-a-name", 'declare name: Literal["many-names"]'),
     BadName: ("has-a-name", "'Bad Name' is not of lower-case letters"),
-    Unhashable: ("parameters-survive-json", "it raises TypeError: unhashable type: 'list'"),
     Thawed: ("parameters-survive-json", "its parameter name can be set anew"),
     Borrowed: ("label-is-its-own", "'gaussian-noise 0.6 rms-vector' is also that of gaussian-noise"),
     Unequipped: ("engines-are-installed", "its engine 'no-such-engine' is not installed"),
