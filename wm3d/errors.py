@@ -1,6 +1,8 @@
 """The exception that wm3d raises for bad input; its text is one sentence a user can act on."""
 
 import reprlib
+import traceback
+from pathlib import Path
 from typing import Any
 
 LONGEST = 80
@@ -32,8 +34,12 @@ class Wm3dError(ValueError):
 
 
 def in_words(error: Exception) -> str:
-    """Return what an error says, after its kind where it is not `Wm3dError`, whose text is a sentence."""
-    return str(error) if isinstance(error, Wm3dError) else f"{type(error).__name__}: {error}"
+    """Return what an error says; of one that wm3d did not foresee also its kind and where it was raised."""
+    if isinstance(error, Wm3dError):
+        return str(error)
+    frames = traceback.extract_tb(error.__traceback__)
+    where = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
+    return f"{type(error).__name__}: {error}{where}"
 
 
 class NoSolidError(Wm3dError):

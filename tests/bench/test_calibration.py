@@ -112,7 +112,7 @@ def test_a_calibration_that_met_an_unforeseen_error_is_to_be_made_again(error, s
     mesh, budget = blob(seed=1, subdivisions=2), Budget(metric="snr", value=50)
     cell = CalibrationCell(7, "one", mesh.digest(), Song2002(), Clean(), 0, 1, budget=budget)
     frame = run_task({"one": mesh}, Task((cell,)))[cell.digest]
-    assert frame["error"].tolist() == [said]
+    assert frame["error"][0].startswith(said)
     assert frame.attrs.get(TRY_AGAIN) is again
 
 

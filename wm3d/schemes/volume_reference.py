@@ -186,7 +186,8 @@ class Reference(BaseModel):
         moments tell what is a part of one. What bounds no solid, as what one view of a scanner saw, has no
         moments: the landmarks alone must tell where it lies. Where the whole is not the solid, but one of its
         parts is, the others were added, as a base or as objects beside it: that part is read alone. All
-        poses of the whole and of the parts that are compared count as tries, too.
+        poses of the whole and of the parts that are compared count as tries, too. What the search tries does
+        not: it finds an unmarked surface where it finds the marked one.
         """
         landmarks = Landmarks.decode(self.landmarks)
         whole, parts = self._suspect(mesh, landmarks), large_parts(mesh)
