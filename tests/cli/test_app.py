@@ -37,7 +37,7 @@ def test_alone_it_prints_its_help(arguments: tuple[str, ...], wm3d: Run) -> None
 @pytest.mark.parametrize(
     ("command", "default"),
     [
-        ("embed", f"({DEFAULT_SCHEME}; {PAPER_SCHEME} if a grid or a region is given)"),
+        ("embed", f"({DEFAULT_SCHEME}; {PAPER_SCHEME} with a grid, a region, miss= or normalize=)"),
         ("detect", f"{DEFAULT_PF:g}"),
         ("scan", "{}x{}".format(*DEFAULT_GRID)),
         ("scan", "vertex-pca"),

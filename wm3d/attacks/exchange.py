@@ -71,7 +71,7 @@ class Weld(Attack):
 class Draco(Attack):
     """Compressed and decompressed by Google's Draco: coordinates on a cubic grid, another order of vertices.
 
-    Needs the package DracoPy (``pip install wm3d[draco]``).
+    Needs the package DracoPy (``pip install DracoPy``).
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class Draco(Attack):
             import DracoPy
         except ImportError as error:
             raise Wm3dError(
-                f"{mesh.name}: {self.label()} needs DracoPy; pip install wm3d[draco], or use quantize with "
+                f"{mesh.name}: {self.label()} needs DracoPy; pip install DracoPy, or use quantize with "
                 "grid = cubic, which moves the vertices alike."
             ) from error
         try:

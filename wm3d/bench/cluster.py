@@ -104,7 +104,7 @@ def _client(address: str) -> "Client":
     try:
         from distributed import Client
     except ImportError:
-        raise Wm3dError("--dask needs the extra: pip install 'wm3d[dask]'.") from None
+        raise Wm3dError("--dask needs Dask: pip install 'dask[distributed]'.") from None
     if ":" not in address:  # of which a client leaves a traceback
         raise Wm3dError(f"--dask {address}: is no address of a scheduler, such as tcp://127.0.0.1:8786.")
     try:

@@ -91,7 +91,8 @@ class Experiment(_Strict):
     cross_meshes : tuple of str
         Other meshes, named as in `Case`, on which each trial's key is scored after the same attack.
     false_alarm_trials : int
-        Random keys drawn for the Monte Carlo false-alarm curve of each mesh, scheme and attack; 0 for none.
+        Random keys, at least, drawn for the Monte Carlo false-alarm curve of each mesh, scheme and attack;
+        0 for none.
     pf : tuple of float
         False-alarm probabilities at which tables quote Pd.
     calibrate : Budget or tuple of Budget

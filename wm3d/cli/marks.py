@@ -37,7 +37,7 @@ def embed(
         typer.Option(
             metavar="NAME",
             help="One of `wm3d list schemes`.",
-            show_default="range-dct; song2002 if a grid or a region is given",
+            show_default="range-dct; song2002 with a grid, a region, miss= or normalize=",
         ),
     ] = None,
     seed: Annotated[
@@ -46,7 +46,11 @@ def embed(
     ] = None,
     alpha: Annotated[
         float | None,
-        typer.Option(metavar="A", help="Strength of the mark.", show_default="the scheme's"),
+        typer.Option(
+            metavar="A",
+            help="The parameter alpha: the strength of the mark, but in wang2011 (step=).",
+            show_default="the scheme's",
+        ),
     ] = None,
     snr: Annotated[
         float | None,
@@ -55,7 +59,9 @@ def embed(
     grid: Annotated[
         str | None,
         typer.Option(
-            metavar="NVxNU", help="Columns around x rows along the axis.", show_default="the scheme's"
+            metavar="NVxNU",
+            help="Columns around x rows along the axis; rows x sectors for wang2011.",
+            show_default="the scheme's",
         ),
     ] = None,
     region: Annotated[
