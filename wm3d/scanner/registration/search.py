@@ -20,7 +20,7 @@ from wm3d.threads import by_halves
 STARTS, APART = 32, 20.0
 """How many starts are returned, the best first, and the least angle between two, in degrees."""
 
-SIZES = (1.0, 0.85, 0.7, 0.55)
+SIZES = (1.0, 0.85, 0.7, 0.55, 0.45)
 """Sizes of the surface tried, in that of the landmarks: a part of a model is smaller than the whole."""
 
 SHIFT, SHIFT_AMID = 3, 2
@@ -33,16 +33,17 @@ AMID = 0.5
 OWN = np.array([1.0, 1.0, -1.0])
 """Makes a rotation a way to lay a mesh that is no mirror image: the frame of a scanner is left-handed."""
 
-CANDIDATES, CLOSE = 256, 10.0
-"""How many of the places tried are improved, the best first, and the least angle between two, in degrees."""
+CANDIDATES, CLOSE = 64, 10.0
+"""How many of the places tried are improved, the best of each size, and the least angle between two, in
+degrees. Of all sizes together right ones would not be among the best: large ones meet something anywhere."""
 
 FIRST_STEPS, STEPS = (0.3, 0.2), (0.2, 0.1, 0.1, 0.05)
 """Steps of that: turns in radians, shifts in the size of the landmarks, and half as much of the own size."""
 
-KEPT = 96
+KEPT = 64
 """How many of them are improved further after the first steps."""
 
-LEAST_SIZE, MOST_SIZE = 0.5, 1.1
+LEAST_SIZE, MOST_SIZE = 0.4, 1.1
 """Bounds of the sizes that are come to."""
 
 PROBES, FEW_PROBES, FAR = 250, 64, 0.5
@@ -162,10 +163,7 @@ def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, amid: bool) -> l
 
     few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
     hand, step = -OWN if mirrored else OWN, SHIFT_AMID if amid else SHIFT
-    tried, misfit = _tried(few, turns(TURNS) * hand, step, field)
-    best = np.argsort(misfit, kind="stable")
-    best = best[apart(tried.turn[best], CLOSE, CANDIDATES)]
-    places = _descended(tried.some(best), FIRST_STEPS, probes, field)
+    places = _descended(_tried(few, turns(TURNS) * hand, step, field), FIRST_STEPS, probes, field)
     best = np.argsort(field.misfit(places, probes), kind="stable")[:KEPT]
     places = _descended(places.some(best), STEPS, probes, field)
     order = np.argsort(field.misfit(places, probes), kind="stable")
@@ -175,18 +173,23 @@ def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, amid: bool) -> l
     ]
 
 
-def _tried(probes: Landmarks, candidates: FloatArray, step: int, field: _Field) -> tuple[_Places, FloatArray]:
-    """Return the best size and shift for each of (n, 3, 3) turns, and how far probes then lie off: (n,)."""
+def _tried(probes: Landmarks, candidates: FloatArray, step: int, field: _Field) -> _Places:
+    """Return the best of (n, 3, 3) turns for each of the sizes, each at its best shift."""
     sizes, shifts = np.array(SIZES), even_shifts(field.points, step)
     axes = np.argsort(np.abs(shifts).max(axis=0), kind="stable")  # for the longest runs
-    cube = field.distance.reshape((GRID,) * 3).transpose(axes)
-    runs = Runs.of(shifts[:, axes], step, cube)
+    runs = Runs.of(shifts[:, axes], step, field.distance.reshape((GRID,) * 3).transpose(axes))
     halves = by_halves(
-        lambda half: kernels.nearest_tried(probes.points, half, sizes, *runs, field.power),
+        lambda half: kernels.nearest_tried(probes.points, half, sizes, *runs),
         np.ascontiguousarray(candidates[:, axes]),
     )
-    misfit, size, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
-    return _Places(candidates, sizes[size], CELL * shifts[shift]), misfit
+    misfit, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
+    order = np.argsort(misfit, axis=0, kind="stable")
+    best = [order[apart(candidates[order[:, a]], CLOSE, CANDIDATES), a] for a in range(len(sizes))]
+    return _Places(
+        np.concatenate([candidates[some] for some in best]),
+        np.repeat(sizes, [len(some) for some in best]),
+        CELL * np.concatenate([shifts[shift[some, a]] for a, some in enumerate(best)]),
+    )
 
 
 def _descended(places: _Places, steps: Sequence[float], probes: Landmarks, field: _Field) -> _Places:

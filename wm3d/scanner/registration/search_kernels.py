@@ -42,21 +42,18 @@ def nearest_tried(
     runs: IntArray,
     rank: IntArray,
     distance: NDArray[np.int32],
-    power: float,
-) -> tuple[FloatArray, IntArray, IntArray]:
-    """Least mean of the cells' `distance` from (k, 3) probes, over all sizes and shifts, for each turn.
+) -> tuple[FloatArray, IntArray]:
+    """Least mean of the cells' `distance` from (k, 3) probes, over all shifts, for each turn and size.
 
     Turns (n, 3, 3), sizes (a,). A probe beside the cube is taken for one in the nearest cell before it is
-    shifted. Means are divided by a power of the size. Returns them, the place of the size and the rank of the
-    shift, of equal ones the first: (n,) each.
+    shifted. Returns the means and the rank of the shift, of equal ones the first: (n, a) each.
 
     Shifts stand in `runs` of `RUN` along the last axis, a step apart, so that they are added up side by side:
     `rank` (c, `RUN`) numbers them, −1 where there is none. The cube has room for all of them around it and is
     stored as `distance` (x, y, step, z), where every step-th cell along the axis stands next to the other;
     `runs` (c, 3) is where the first shift of a run takes a probe in the first cell of the cube, in x, y, z.
     """
-    least = np.full(len(turns), np.inf)
-    size, shift = np.zeros(len(turns), dtype=np.int64), np.zeros(len(turns), dtype=np.int64)
+    least, shift = np.empty((len(turns), len(sizes))), np.empty((len(turns), len(sizes)), dtype=np.int64)
     rows, step, row = distance.shape[1:]
     starts, flat = (
         ((runs[:, 0] * rows + runs[:, 1]) * step * row + runs[:, 2]).astype(np.uint64),
@@ -72,11 +69,9 @@ def nearest_tried(
                 layer = _layer(z)
                 line = (_layer(x) * rows + _layer(y)) * step + layer % step
                 _add_runs(totals, flat, starts, np.uint64(line * row + layer // step))
-            share = 1 / len(probes) / sizes[a] ** power
-            total, first = _first_least(totals, rank)
-            if share * total < least[n]:
-                least[n], size[n], shift[n] = share * total, a, first
-    return least, size, shift
+            total, shift[n, a] = _first_least(totals, rank)
+            least[n, a] = total / len(probes)
+    return least, shift
 
 
 @njit(cache=True)
