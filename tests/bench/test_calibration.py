@@ -77,7 +77,8 @@ def test_a_scheme_that_cannot_meet_the_budget_is_left_out_and_report_and_termina
     for sentence in left_out:
         assert "cannot be set to an " in sentence
         assert sentence.rpartition(": ")[2].rstrip(".") in page
-    print_summary(write_report(fair).tables, fair, refused={})
+    report = write_report(fair)
+    print_summary(report.tables, fair, report.refused, report.pf)
     said = capsys.readouterr().out
     for scheme, sentence in left_out.items():
         assert f"Left out: {scheme}: {sentence}" in said

@@ -184,7 +184,8 @@ def test_names_are_text_and_never_markup(tmp_path: Path) -> None:
 
 def test_the_terminal_names_a_mesh_as_it_is_named(tmp_path: Path, capsys) -> None:
     for name in ("NA", "[red]bunny"):  # pandas reads "NA" as nothing, and brackets may be markup
-        print_summary(write_report(made_up_run(tmp_path, mesh=name).path).tables, tmp_path, refused={})
+        report = write_report(made_up_run(tmp_path, mesh=name).path)
+        print_summary(report.tables, tmp_path, report.refused, report.pf)
         assert capsys.readouterr().out.startswith(f"{name}, song2002\n attack")
 
 

@@ -41,12 +41,15 @@ class Report:
         The tables by name.
     refused : mapping of (str, str) to str
         `wm3d.bench.summary.refusals`.
+    pf : float
+        The false-alarm probability that page and terminal speak of.
     """
 
     page: Path
     failed: int
     tables: dict[str, pd.DataFrame]
     refused: Mapping[tuple[str, str], str]
+    pf: float
 
 
 def write_report(run_dir: str | Path) -> Report:
@@ -103,7 +106,7 @@ def report_of(directory: RunDirectory) -> Report:
     directory.write_text("report.html", render(run))
     directory.drop_report(keep=report_files(tables, drawn))
     failed = int(rows["log10_p"].isna().sum())
-    return Report(directory.path / "report.html", failed, tables, run.refused)
+    return Report(directory.path / "report.html", failed, tables, run.refused, pf)
 
 
 def _read_calibration(directory: RunDirectory, manifest: Mapping[str, Any]) -> pd.DataFrame:

@@ -107,7 +107,7 @@ def run_config(
             "manifest.json", manifest(experiment, meshes, [*first, *cells], started, lost_trials)
         )
         report = report_of(directory)
-        print_summary(report.tables, directory.path, report.refused)
+        print_summary(report.tables, directory.path, report.refused, report.pf)
     beside = sum(cell.trials for cell in lost if cell.kind != TrialCell.kind)  # no trials of the report
     return Outcome(directory.path, report.failed + beside)
 

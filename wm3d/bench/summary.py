@@ -1,7 +1,6 @@
 """What a finished run says on the terminal: detection by attack, and where the rest is."""
 
 import math
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -61,9 +60,9 @@ def refusals(rows: pd.DataFrame) -> dict[tuple[str, str], str]:
 
 
 def print_summary(
-    tables: Mapping[str, pd.DataFrame], directory: Path, refused: Mapping[tuple[str, str], str]
+    tables: Mapping[str, pd.DataFrame], directory: Path, refused: Mapping[tuple[str, str], str], pf: float
 ) -> None:
-    """Print Pd at the false-alarm probability nearest to 1e-6, with its interval and a verdict.
+    """Print Pd at a false-alarm probability, with its interval and a verdict.
 
     Parameters
     ----------
@@ -73,10 +72,10 @@ def print_summary(
         Where the rest is.
     refused : mapping of (str, str) to str
         `refusals` of the run.
+    pf : float
+        One of those that the tables quote.
     """
     table = tables["detection"]
-    quoted = [float(match[1]) for name in table.columns if (match := re.fullmatch(r"pd_([^_]+)", str(name)))]
-    pf = quoted_pf(quoted)
     console = table_console()
     for (mesh, scheme), group in table.groupby(["mesh", "scheme"], sort=False):
         console.print(f"{mesh}, {scheme}", highlight=False, soft_wrap=True)
