@@ -139,8 +139,8 @@ def turned_starts(surface: Surface, landmarks: Landmarks, search: Search) -> lis
 
     Of a model that lost a part every point still has its landmark, and of one to which something was added
     every landmark has its point. So the points of the surface that would be landmarks themselves look for
-    landmarks, or with `whole` the other way round. Turns are tried all around, each at the best of some sizes
-    and shifts; the best of these places are improved in small steps towards the tangent planes, and compared
+    landmarks, or with `whole` the other way round. Turns are tried all around in some sizes, each at its best
+    shift; the best places of each size are improved in small steps towards the tangent planes, and compared
     by these and by the normals.
     """
     suspect = Landmarks.of(surface, Warp.linear(np.eye(3), np.zeros(3)))
