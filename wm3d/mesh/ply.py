@@ -27,6 +27,7 @@ _NUMBERS = {
 _TEXT = "<f8"  # ASCII files are read as binary ones in which every number has this type
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
+_SURFACES = {"face": "faces", "tristrips": "strips"}
 
 
 class Property(NamedTuple):
@@ -65,7 +66,7 @@ class Column(NamedTuple):
 
 
 def read_ply(content: bytes) -> tuple[FloatArray, IntArray]:
-    """Read PLY, ASCII or binary: vertices (n, 3) and triangles (m, 3), polygons being split in their order.
+    """Read PLY, ASCII or binary: vertices (n, 3) and triangles (m, 3), of polygons and of triangle strips.
 
     Raises
     ------
@@ -74,19 +75,24 @@ def read_ply(content: bytes) -> tuple[FloatArray, IntArray]:
     """
     elements, content = _header_and_body(content)
     vertices, corners, lengths = np.empty((0, 3)), np.empty(0, np.int64), np.empty(0, np.int64)
+    strips = np.empty((0, 3), np.int64)
     at = 0
     for element in elements:
         columns, at = _columns(content, at, element)
         if element.name == "vertex" and element.rows:
             vertices = _coordinates(content, element, columns)
-        if element.name == "face" and element.rows:
+        if element.name in _SURFACES and element.rows:
             listed = next((p for p in element.properties if p.name in _CORNERS), None)
             if listed is None or listed.length is None:
-                raise ValueError("its faces list no vertex_indices")
-            corners, lengths = _corners(content, columns[listed.name], listed.item)
+                raise ValueError(f"its {_SURFACES[element.name]} list no vertex_indices")
+            found = _corners(content, columns[listed.name], listed.item)
+            if element.name == "face":
+                corners, lengths = found
+            else:
+                strips = _of_strips(*found)
     if at != len(content):
         raise ValueError("it is longer than its header says")
-    return vertices, triangulated(vertices, corners, lengths)
+    return vertices, np.vstack([triangulated(vertices, corners, lengths), strips])
 
 
 def write_ply(mesh: Mesh) -> bytes:
@@ -203,6 +209,20 @@ def _coordinates(content: bytes, element: Element, columns: dict[str, Column]) -
         for axis in "xyz"
     ]
     return np.stack(axes, axis=1).astype(np.float64)
+
+
+def _of_strips(corners: IntArray, lengths: IntArray) -> IntArray:
+    """Return the triangles (m, 3) of strips, each as one list, or many in a list with −1 between them.
+
+    Every second triangle of a strip runs the other way round; those of two equal corners only lead on.
+    """
+    ends = np.insert(corners, np.cumsum(lengths), -1)
+    since = np.arange(len(ends)) - np.maximum.accumulate(np.where(ends < 0, np.arange(len(ends)) + 1, 0))
+    triples = np.column_stack([ends[:-2], ends[1:-1], ends[2:]])
+    triples = np.where((since[:-2] % 2 == 1)[:, None], triples[:, [1, 0, 2]], triples)
+    a, b, c = triples.T
+    triangles: IntArray = triples[(triples >= 0).all(axis=1) & (a != b) & (b != c) & (c != a)]
+    return triangles
 
 
 def _corners(content: bytes, polygons: Column, item: np.dtype) -> tuple[IntArray, IntArray]:
