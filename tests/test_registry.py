@@ -9,7 +9,7 @@ import pytest
 from pydantic import Field
 
 from wm3d.component import Component
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, hint
 from wm3d.registry import Registry
 
 
@@ -89,6 +89,12 @@ def test_unknown_name_is_answered_with_the_nearest_or_all():
         paints()["rde"]
     with pytest.raises(Wm3dError, match=r"^unknown paint 'green'; known: red\.$"):
         paints()["green"]
+
+
+def test_a_part_of_names_is_answered_with_these_names():
+    known = ["clean", "gaussian-noise", "uniform-noise", "crop"]
+    assert hint("noise", known) == "did you mean 'gaussian-noise' or 'uniform-noise'?"
+    assert hint("", known) == "known: clean, gaussian-noise, uniform-noise, crop."
 
 
 def test_all_wrong_parameters_stand_in_one_sentence():

@@ -1,6 +1,5 @@
 """Registries: components by name, the built-in ones and those that installed packages add by entry points."""
 
-import difflib
 import logging
 from collections.abc import Iterator, Mapping
 from functools import cached_property
@@ -12,7 +11,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
 from wm3d.component import Component
-from wm3d.errors import Wm3dError, shown
+from wm3d.errors import Wm3dError, hint, shown
 
 T = TypeVar("T", bound=Component)
 
@@ -83,9 +82,8 @@ class Registry(Mapping[str, type[T]], Generic[T]):
 
     def __getitem__(self, name: str) -> type[T]:
         if name not in self._classes:
-            near = difflib.get_close_matches(name, self._classes, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(self._classes)}."
-            raise Wm3dError(" ".join([f"unknown {self.kind} {shown(name)}; {hint}", *self._faults]))
+            meant = hint(name, self._classes)
+            raise Wm3dError(" ".join([f"unknown {self.kind} {shown(name)}; {meant}", *self._faults]))
         return self._classes[name]
 
     def __contains__(self, name: object) -> bool:
@@ -164,11 +162,8 @@ def _describe_one(fault: Any, cls: type[Component]) -> str:
     if fault["type"] == "extra_forbidden" and len(fault["loc"]) > 1:  # of a component inside this one
         return f"unknown parameter {shown(path)}"
     if fault["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(path, cls.model_fields, n=1)
-        known = ", ".join(field for field in cls.model_fields if field != "name") or "none"
-        return f"unknown parameter {shown(path)}, " + (
-            f"did you mean {near[0]!r}?" if near else f"known: {known}"
-        )
+        known = [field for field in cls.model_fields if field != "name"]
+        return f"unknown parameter {shown(path)}, {hint(path, known).rstrip('.')}"
     if fault["type"] == "missing":
         return f"{path} is missing"
     if fault["type"] == "union_tag_invalid":

@@ -1,6 +1,5 @@
 """Pydantic's validation errors as sentences with line, path and "did you mean"."""
 
-import difflib
 from collections.abc import Mapping
 from typing import Any, get_args
 
@@ -8,7 +7,7 @@ from pydantic import BaseModel, ValidationError
 
 from wm3d.bench.yamlfile import Document, Step
 from wm3d.component import Component
-from wm3d.errors import shown
+from wm3d.errors import hint, shown
 
 
 def describe_faults(
@@ -162,5 +161,4 @@ def _shown(value: Any) -> str:
 
 
 def _suggest(word: str, known: list[str]) -> str:
-    near = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(known)}"
+    return f"; {hint(word, known).rstrip('.')}"

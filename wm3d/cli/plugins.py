@@ -1,12 +1,11 @@
 """`wm3d check-plugin`: checks whether an attack or a scheme keeps what the harness relies on."""
 
-import difflib
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from wm3d.cli.options import Parameters, assignments
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, hint
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -46,9 +45,8 @@ def _outcomes(name: str, pairs: list[str]) -> "Iterator[Outcome]":
     from wm3d.schemes import SCHEMES
 
     if name not in ATTACKS and name not in SCHEMES:  # one that cannot be loaded has been logged
-        near = difflib.get_close_matches(name, [*SCHEMES, *ATTACKS], n=1)
-        hint = f"did you mean {near[0]!r}?" if near else "see `wm3d list schemes` and `wm3d list attacks`."
-        raise Wm3dError(f"unknown scheme or attack {name!r}; {hint}")
+        lists = "see `wm3d list schemes` and `wm3d list attacks`."
+        raise Wm3dError(f"unknown scheme or attack {name!r}; {hint(name, [*SCHEMES, *ATTACKS], lists)}")
     if name in SCHEMES:
         yield from examine(SCHEMES.build(name, assignments(pairs)), SCHEME_CHECKS)
     if name in ATTACKS:

@@ -5,12 +5,11 @@ answers to its name without the ending, and wins over an entry of the registry w
 and results of recipes are kept in the user's cache folder, or in the folder that WM3D_CACHE names.
 """
 
-import difflib
 import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, hint
 from wm3d.mesh.catalog import DATASETS, Dataset
 from wm3d.mesh.io import ENDINGS, load_mesh
 from wm3d.mesh.mesh import Mesh
@@ -198,9 +197,7 @@ def _base(recipe: Recipe) -> str:
 
 
 def _unknown(name: str) -> str:
-    near = difflib.get_close_matches(name, dataset_names(), n=1)
-    hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(dataset_names())}."
     return (
         f"unknown mesh {name!r}: neither a dataset nor a mesh file, nor in a folder that the environment "
-        f"variable WM3D_DATA names; {hint}"
+        f"variable WM3D_DATA names; {hint(name, dataset_names())}"
     )

@@ -3,13 +3,12 @@
 The files lie in the package and not in ``configs/``, so that an installed wheel has them.
 """
 
-import difflib
 from functools import cache
 from pathlib import Path
 
 from wm3d.attacks import ATTACKS, Attack
 from wm3d.bench.yamlfile import read_yaml
-from wm3d.errors import Wm3dError
+from wm3d.errors import Wm3dError, hint
 
 FOLDER = Path(__file__).parent
 
@@ -29,9 +28,7 @@ def load_suite(name: str) -> tuple[Attack, ...]:
         If there is no such suite, or its file is damaged.
     """
     if name not in suite_names():
-        near = difflib.get_close_matches(name, suite_names(), n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(suite_names())}"
-        raise Wm3dError(f"no such suite; {hint}")
+        raise Wm3dError(f"no such suite; {hint(name, suite_names())}")
     document = read_yaml(FOLDER / f"{name}.yaml")
     if document.faults:
         raise Wm3dError(f"{document.path}: {document.faults[0][1]}")
