@@ -164,6 +164,14 @@ def test_an_attack_that_returns_no_mesh_fails():
     assert frame["log10_p"].isna().all()
 
 
+def test_a_scheme_that_returns_no_scheme_to_read_with_fails(monkeypatch):
+    monkeypatch.setattr(Song2002, "embed", lambda scheme, mesh, seed: mesh)
+    (frame,) = rows(cell(Clean(), trials=1))
+    assert frame["error"][0].startswith(
+        "TypeError: embed returned Mesh, not a marked mesh and the scheme that"
+    )
+
+
 def test_want_of_memory_leaves_out_the_cell_and_no_other():
     starved, clean = cell(Returning(what="out of memory")), cell(Clean())
     found = run_task(MESHES, Task((starved, clean)))

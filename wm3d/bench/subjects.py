@@ -113,9 +113,9 @@ class Subjects:
         original = self._meshes[cell.mesh]
         start = time.perf_counter()
         if self._last is None:
-            (marked, scheme), mb = with_peak(lambda: cell.scheme.embed(original, seed))
+            (marked, scheme), mb = with_peak(lambda: _embedded(cell.scheme, original, seed))
         else:
-            (marked, scheme), mb = cell.scheme.embed(original, seed), float("nan")
+            (marked, scheme), mb = _embedded(cell.scheme, original, seed), float("nan")
         seconds = time.perf_counter() - start
         return Mark(marked, seed, scheme, snr(original, marked), seconds, mb)
 
@@ -163,6 +163,14 @@ class Subjects:
         if mesh not in self._cylinders:
             self._cylinders[mesh] = _cylinder(self._first.scheme, self._meshes[mesh])
         return self._cylinders[mesh]
+
+
+def _embedded(scheme: Scheme, mesh: Mesh, seed: int) -> tuple[Mesh, Scheme]:
+    made: object = scheme.embed(mesh, seed)
+    match made:
+        case (Mesh() as marked, Scheme() as reader):
+            return marked, reader
+    raise TypeError(f"embed returned {type(made).__name__}, not a marked mesh and the scheme that reads it")
 
 
 def _cylinder(scheme: Scheme, mesh: Mesh) -> Cylinder | None:
