@@ -165,7 +165,7 @@ def test_an_attack_that_returns_no_mesh_fails():
 
 
 def test_a_scheme_that_returns_no_scheme_to_read_with_fails(monkeypatch):
-    monkeypatch.setattr(Song2002, "embed", lambda scheme, mesh, seed: mesh)
+    monkeypatch.setattr(Song2002, "embed", lambda _, mesh, *__: mesh)
     (frame,) = rows(cell(Clean(), trials=1))
     assert frame["error"][0].startswith(
         "TypeError: embed returned Mesh, not a marked mesh and the scheme that"
