@@ -22,8 +22,7 @@ from wm3d.imagemarks import shaped_dct
 from wm3d.mesh import Mesh, SolidMoments, datasets, write_whole
 from wm3d.scanner import VertexPca, denoise, kernels
 from wm3d.scanner.affine import AffineFrame
-from wm3d.scanner.registration import Landmarks, Surface, Warp
-from wm3d.scanner.registration.fit import Fit
+from wm3d.scanner.registration import Fit
 from wm3d.scanner.volume import VolumeImage, volume_image
 from wm3d.schemes import informed, range_dct, volume_host, volume_reference
 
@@ -55,9 +54,9 @@ def in_pca_frame(mesh: Mesh, _reference: SolidMoments, _ways: int) -> tuple[Mesh
     return mesh, [pca_frame(mesh)]
 
 
-def pose_alone(_surface: Surface, _landmarks: Landmarks, poses: tuple[Warp, Warp], **_search: bool) -> Fit:
+def pose_alone(suspect: Any, **_search: bool) -> Fit:
     """Return the pose that the moments give."""
-    return Fit(poses[0], 1.0)
+    return Fit(suspect.poses[0], 1.0)
 
 
 def first_surface(
@@ -99,9 +98,11 @@ def no_offset(scheme: range_dct.RangeDct) -> range_dct.RangeDct:
 
 WITHOUT: dict[str, list[Any]] = {
     "nothing (range-dct as it is)": [],
-    "landmarks: the pose as the moments give it": [patch.object(volume_reference, "registered", pose_alone)],
+    "landmarks: the pose as the moments give it": [
+        patch.object(volume_reference._Suspect, "registered", pose_alone)
+    ],
     "landmarks and moments: vertex-PCA pose": [
-        patch.object(volume_reference, "registered", pose_alone),
+        patch.object(volume_reference._Suspect, "registered", pose_alone),
         patch.object(volume_host, "principal_frame", pca_frame),
         patch.object(volume_reference, "recognized", in_pca_frame),
     ],
