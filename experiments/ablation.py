@@ -22,7 +22,7 @@ from wm3d.imagemarks import shaped_dct
 from wm3d.mesh import Mesh, SolidMoments, datasets, write_whole
 from wm3d.scanner import VertexPca, denoise, kernels
 from wm3d.scanner.affine import AffineFrame
-from wm3d.scanner.registration import Fit
+from wm3d.scanner.registration import Fit, register
 from wm3d.scanner.volume import VolumeImage, volume_image
 from wm3d.schemes import informed, range_dct, volume_host, volume_reference
 
@@ -37,6 +37,7 @@ ATTACKED: list[tuple[str, dict[str, Any]]] = [
     ("bend", {"degrees": 10}),
     ("crop", {"percent": 10}),
     ("crop", {"percent": 30}),
+    ("chain", {"then": [{"name": "crop", "percent": 30}, {"name": "similarity"}]}),
 ]
 VERSION = range_dct.RangeDct.version
 TABLE = Path(__file__).resolve().parent.parent / "results" / "range_dct" / "ablation.csv"
@@ -57,6 +58,11 @@ def in_pca_frame(mesh: Mesh, _reference: SolidMoments, _ways: int) -> tuple[Mesh
 def pose_alone(suspect: Any, **_search: bool) -> Fit:
     """Return the pose that the moments give."""
     return Fit(suspect.poses[0], 1.0)
+
+
+def no_starts(*_search: Any) -> list[Fit]:
+    """Return what a search finds that looks nowhere."""
+    return []
 
 
 def first_surface(
@@ -101,6 +107,7 @@ WITHOUT: dict[str, list[Any]] = {
     "landmarks: the pose as the moments give it": [
         patch.object(volume_reference._Suspect, "registered", pose_alone)
     ],
+    "search: the poses by the moments, fitted": [patch.object(register, "_searched", no_starts)],
     "landmarks and moments: vertex-PCA pose": [
         patch.object(volume_reference._Suspect, "registered", pose_alone),
         patch.object(volume_host, "principal_frame", pca_frame),
