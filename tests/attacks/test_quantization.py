@@ -59,7 +59,7 @@ def test_draco_moves_vertices_as_the_cubic_grid_does():
 
 def test_draco_that_is_not_installed_is_refused_with_a_remedy(monkeypatch):
     monkeypatch.setitem(sys.modules, "DracoPy", None)
-    with pytest.raises(Wm3dError, match=r"pip install wm3d\[draco\]"):
+    with pytest.raises(Wm3dError, match=r"pip install DracoPy"):
         Draco()(MESH, RNG)
 
 
