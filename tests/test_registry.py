@@ -35,6 +35,14 @@ class Scarlet(Red):
     pass
 
 
+class Nameless(Paint):
+    shade: float = 1.0
+
+
+class Unset(Paint):
+    name: Literal["unset"]
+
+
 class Coated(Paint, ABC):
     name: Literal["coated"] = "coated"
 
@@ -143,6 +151,8 @@ def test_the_name_is_no_parameter_that_can_be_another():
         ("Crimson", "the paint name 'red' is taken; .*:Crimson must use another"),
         ("Registry", "the entry point .*:Registry is not a paint: it must derive from .*Paint"),
         ("Scarlet", "the paint .*:Scarlet has the name 'red' of Red, from which it derives; give it its own"),
+        ("Nameless", "the paint .*:Nameless has no name; declare name"),
+        ("Unset", "the paint .*:Unset has no name; declare name"),
         ("Coated", "the paint .*:Coated is abstract, it lacks coat; name a class that has all"),
         ("plugins", "the entry point .*:plugins is not a paint"),
         (

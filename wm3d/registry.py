@@ -68,6 +68,10 @@ class Registry(Mapping[str, type[T]], Generic[T]):
                 f"the entry point {point.value} is not a {self.kind}: it must derive from "
                 f"{self._base.__module__}.{self._base.__name__}."
             )
+        if not isinstance(getattr(cls.model_fields.get("name"), "default", None), str):
+            raise Wm3dError(
+                f'the {self.kind} {point.value} has no name; declare name: Literal["its-name"] = "its-name".'
+            )
         if missing := getattr(cls, "__abstractmethods__", None):
             raise Wm3dError(
                 f"the {self.kind} {point.value} is abstract, it lacks {', '.join(sorted(missing))}; "

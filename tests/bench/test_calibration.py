@@ -117,6 +117,19 @@ def test_a_calibration_that_met_an_unforeseen_error_is_to_be_made_again(error, s
     assert frame.attrs.get(TRY_AGAIN) is again
 
 
+def test_calibrations_for_which_memory_ran_out_are_to_be_run_again(fair, tmp_path, monkeypatch, capsys):
+    def starving(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(Song2002, "at_distortion", starving)
+    monkeypatch.setattr(Cho2007Variance, "at_distortion", starving)
+    with pytest.raises(Wm3dError, match=r"no scheme could be calibrated; run it again, with fewer --workers"):
+        run_config(fair.parent / "fair.yaml", out=tmp_path / "run", workers=1)
+    assert ", calibration: 1 trial is lost" in capsys.readouterr().err
+    run_config(fair.parent / "fair.yaml", out=tmp_path / "run", workers=1, dry_run=True)
+    assert "similarity" in capsys.readouterr().out  # trials are planned, too
+
+
 def test_no_file_of_an_earlier_report_stays_beside_one_that_lacks_it(fair, tmp_path):
     run = Path(shutil.copytree(fair, tmp_path / "run"))
     old = {file.relative_to(run).as_posix() for file in run.glob("[tf]*/*")}

@@ -191,7 +191,7 @@ def test_the_terminal_names_a_mesh_as_it_is_named(tmp_path: Path, capsys) -> Non
 
 def test_no_report_is_written_while_a_run_writes_there(tmp_path: Path) -> None:
     directory = made_up_run(tmp_path)
-    with directory.locked(), pytest.raises(Wm3dError, match="another run is writing here"):
+    with directory.locked(), pytest.raises(Wm3dError, match="another run or report is writing here"):
         write_report(directory.path)
     assert not (tmp_path / "report.html").exists()
 

@@ -270,15 +270,18 @@ def test_a_cell_for_which_memory_ran_out_is_named_and_run_again(
     with monkeypatch.context() as patched:
         patched.setattr(GaussianNoise, "__call__", starving)
         outcome = run_config(path, **again)
+        two = "attacks=[{name: clean}, {name: gaussian-noise, percent: 0.6}]"
+        run_config(path, out=tmp_path / "two", workers=1, overrides=[two])
     assert outcome.failed == 4
+    page = (tmp_path / "two" / "report.html").read_text(encoding="utf-8")
+    assert "the mark survives" in page
+    assert "Nothing that was tried removes it" not in page  # for of the noise nothing is known
     told = capsys.readouterr().err
-    assert "gaussian-noise 0.6 rms-vector: 4 trials are lost, for their worker died or ran out of" in told
+    assert "gaussian-noise 0.6 rms-vector: 4 trials are lost, for the worker died or ran out of" in told
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["lost_trials"] == 4
     starved = detection(tmp_path / "run").loc["gaussian-noise 0.6 rms-vector"]
     assert starved[["trials", "failed"]].tolist() == [0, 4]  # an average must not go without them
     assert math.isnan(starved["pd_1e-06"])
-    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
-    assert "Nothing that was tried removes it" not in page
     assert run_config(path, **again).failed == 0
     assert results(tmp_path / "run") == results(small_run)
 

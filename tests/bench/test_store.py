@@ -99,7 +99,7 @@ def test_a_cell_in_the_place_of_another_is_noticed(directory):
 def test_a_second_run_in_the_same_directory_is_told(directory):
     with (
         directory.locked(),
-        pytest.raises(Wm3dError, match="another run is writing here; wait for it or choose another --out"),
+        pytest.raises(Wm3dError, match="another run or report is writing here; wait for it, or"),
         RunDirectory(directory.path).locked(),
     ):
         pass

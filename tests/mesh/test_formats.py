@@ -121,13 +121,17 @@ def test_binary_ply_with_faces_of_mixed_size_becomes_fans_in_its_order(tmp_path,
         parsed(tmp_path, ".ply", header + body)
 
 
-@pytest.mark.parametrize("lists", [["9 0 1 3 2 -1 2 3 4 4"], ["4 0 1 3 2", "4 2 3 4 4"]])
+@pytest.mark.parametrize("lists", [["9 0 1 3 2 -1 2 3 4 4"], ["4 0 1 3 2", "2 0 1", "4 2 3 4 4"]])
 def test_ply_triangle_strips_run_by_turns_and_end_at_minus_one(tmp_path, lists):
     header = ply_header("ascii", 5, len(lists)).replace(b"element face", b"element tristrips")
     body = "".join(f"{x} {y} {z} {c}\n" for x, y, z, c in SCANNED) + "\n".join(lists) + "\n"
     mesh = parsed(tmp_path, ".ply", header.replace(b"uchar int", b"int int") + body.encode())
     assert mesh.vertices.tolist() == [*SQUARE, [7, 7, 7]]
     assert mesh.faces.tolist() == [[0, 1, 3], [3, 1, 2], [2, 3, 4]]  # and a corner twice is no triangle
+    with pytest.raises(Wm3dError, match="a strip has the corner -2"):
+        parsed(
+            tmp_path, ".ply", header.replace(b"uchar int", b"int int") + body.replace("4 4", "-2 4").encode()
+        )
 
 
 def test_ply_texture_coordinates_split_no_vertex(tmp_path):

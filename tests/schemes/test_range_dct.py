@@ -198,7 +198,14 @@ def test_mark_is_found_where_the_moments_mislead(attack, kept, embedded):
     assert z > kept * plain_z(scheme, marked, 1)
 
 
-@pytest.mark.parametrize("added", [Pedestal(percent=40), lambda mesh, _: beside_a_larger(mesh)])
+@pytest.mark.parametrize(
+    "added",
+    [
+        Pedestal(percent=40),
+        lambda mesh, _: beside_a_larger(mesh),
+        lambda mesh, _: together(beside_a_larger(mesh), on_a_line(blob(4, 3))),  # of no area: not looked at
+    ],
+)
 def test_among_added_parts_the_marked_one_is_read_alone_and_all_count_as_tries(added, embedded, evidence):
     marked, scheme = embedded
     rng = np.random.default_rng(3)
@@ -210,6 +217,10 @@ def test_among_added_parts_the_marked_one_is_read_alone_and_all_count_as_tries(a
 def beside_a_larger(mesh: Mesh) -> Mesh:
     other = blob(3, 5)
     return together(mesh, other.with_vertices(1.7 * other.vertices + [4, 1, 0]))
+
+
+def on_a_line(mesh: Mesh) -> Mesh:
+    return mesh.with_vertices(mesh.vertices * [1, 0, 0])
 
 
 def test_an_original_of_several_parts_is_read_as_a_whole():

@@ -73,6 +73,9 @@ TRY_AGAIN = "wm3d.try-again"
 """Key of `DataFrame.attrs`, true for the rows of a cell that met an error that wm3d did not foresee, such as
 that of a full disk: the next run makes them again. What wm3d refuses it would refuse again."""
 
+GONE = "its worker died or ran out of memory each time"
+"""The `error` of trials and calibrations that left nothing behind."""
+
 LOST = "wm3d.lost"
 """Key of `DataFrame.attrs`, true for rows that no worker made, for each died or ran out of memory."""
 

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from wm3d.bench import figures
-from wm3d.bench.columns import CALIBRATION, FALSE_ALARMS, TRIALS
+from wm3d.bench.columns import CALIBRATION, FALSE_ALARMS, GONE, TRIALS
 from wm3d.bench.config import load_experiment
 from wm3d.bench.curves import false_alarm_figure, roc_figure
 from wm3d.bench.heatmap import LEAST_ATTACKS, heatmap_figure
@@ -113,9 +113,12 @@ def _read_calibration(directory: RunDirectory, manifest: Mapping[str, Any]) -> p
     # runs of earlier versions have no calibration
     calibration = read_rows(directory, manifest.get("calibration_cells", []), CALIBRATION)
     if not manifest["cells"] and (reasons := left_out(calibration)):
+        remedy = "change the config's budgets or schemes"
+        if (calibration["error"] == GONE).any():
+            remedy = "run it again, with fewer --workers if memory is short"
         raise Wm3dError(
-            f"{directory.path}: holds no trials, for no scheme could be calibrated; change the config's "
-            "budgets or schemes:\n  " + "\n  ".join(reasons)
+            f"{directory.path}: holds no trials, for no scheme could be calibrated; {remedy}:\n  "
+            + "\n  ".join(reasons)
         )
     return calibration
 

@@ -15,7 +15,7 @@ from wm3d.bench.config import Experiment, load_experiment
 from wm3d.bench.estimate import print_estimate
 from wm3d.bench.execute import default_workers, execute
 from wm3d.bench.manifest import manifest
-from wm3d.bench.plan import Cell, TrialCell, calibrations, plan, tasks
+from wm3d.bench.plan import CalibrationCell, Cell, TrialCell, calibrations, plan, tasks
 from wm3d.bench.progress import reporter
 from wm3d.bench.report import read_manifest, report_of
 from wm3d.bench.store import DamagedCellError, RunDirectory
@@ -83,7 +83,8 @@ def run_config(
     meshes = _resolved(experiment, path)
     first = calibrations(experiment, meshes)
     if dry_run:
-        cells = [*first, *plan(experiment, meshes, _strengths(first, directory))]
+        settled = [cell for cell in first if _held(cell, directory)]
+        cells = [*first, *plan(experiment, meshes, _strengths(settled, directory))]
         missing = [cell for cell in cells if not _held(cell, directory)]
         print_estimate(experiment.name, cells, missing, meshes, workers)
         return Outcome(directory.path, 0)
@@ -170,12 +171,14 @@ def _tell_lost(cells: Iterable[Cell]) -> None:
     """Say which trials failed because their worker died or ran out of memory."""
     lost: dict[tuple[str, str, str], int] = {}
     for cell in cells:
-        names = (cell.mesh, cell.label, cell.attack.label())
+        what = cell.kind if cell.kind == CalibrationCell.kind else cell.attack.label()
+        names = (cell.mesh, cell.label, what)
         lost[names] = lost.get(names, 0) + cell.trials
     for names, trials in lost.items():
+        count = "1 trial is" if trials == 1 else f"{trials} trials are"
         print(
-            f"{', '.join(names)}: {trials} trials are lost, for their worker died or ran out of memory each "
-            "time; run again to retry, with fewer --workers if memory is short.",
+            f"{', '.join(names)}: {count} lost, for the worker died or ran out of memory each time; run again "
+            "to retry, with fewer --workers if memory is short.",
             file=sys.stderr,
         )
 

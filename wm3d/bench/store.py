@@ -52,19 +52,20 @@ class RunDirectory:
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Hold the directory for one run at a time; the lock goes with the process, however that ends.
+        """Hold the directory for one run or report; the lock goes with the process, however that ends.
 
         Raises
         ------
         Wm3dError
-            If another run holds it.
+            If another one holds it.
         """
         lock = FileLock(self.path / ".lock")
         try:
             lock.acquire(timeout=0)
         except Timeout:
             raise Wm3dError(
-                f"{self.path}: another run is writing here; wait for it or choose another --out."
+                f"{self.path}: another run or report is writing here; wait for it, or let `wm3d run` write "
+                "to another --out."
             ) from None
         except OSError as error:
             raise Wm3dError(f"{self.path}: cannot be written to ({error.strerror}).") from None

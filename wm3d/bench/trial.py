@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from wm3d.bench.calibration import calibration_row, uncalibrated_row
-from wm3d.bench.columns import COLUMNS, LOST, TRY_AGAIN
+from wm3d.bench.columns import COLUMNS, GONE, LOST, TRY_AGAIN
 from wm3d.bench.plan import CalibrationCell, Cell, FalseAlarmCell, Task, TrialCell
 from wm3d.bench.seeds import derived_seed
 from wm3d.bench.subjects import NotMarkedError, Subjects
@@ -26,9 +26,6 @@ _ONCE = ("bit_error_rate", "embed_mb")  # of the key that was embedded, or of em
 
 _UNREAD = dict.fromkeys(("statistic", "z", "log10_p", "log10_p_least"), 0.0)
 """Score of a key that its mesh could not carry: p = 1, as where the mark cannot be read."""
-
-GONE = "its worker died or ran out of memory each time"
-"""The `error` of trials that left nothing behind."""
 
 Row = dict[str, Any]
 

@@ -88,6 +88,8 @@ def read_ply(content: bytes) -> tuple[FloatArray, IntArray]:
             found = _corners(content, columns[listed.name], listed.item)
             if element.name == "face":
                 corners, lengths = found
+                if lengths.min() < 3:
+                    raise ValueError(f"a face of {lengths.min()} corners")
             else:
                 strips = _of_strips(*found)
     if at != len(content):
@@ -216,6 +218,8 @@ def _of_strips(corners: IntArray, lengths: IntArray) -> IntArray:
 
     Every second triangle of a strip runs the other way round; those of two equal corners only lead on.
     """
+    if (corners < -1).any():
+        raise ValueError(f"a strip has the corner {corners.min()}")
     ends = np.insert(corners, np.cumsum(lengths), -1)
     since = np.arange(len(ends)) - np.maximum.accumulate(np.where(ends < 0, np.arange(len(ends)) + 1, 0))
     triples = np.column_stack([ends[:-2], ends[1:-1], ends[2:]])
@@ -228,8 +232,6 @@ def _of_strips(corners: IntArray, lengths: IntArray) -> IntArray:
 def _corners(content: bytes, polygons: Column, item: np.dtype) -> tuple[IntArray, IntArray]:
     """Return the corners of one polygon after the other, and how many each has."""
     lengths = np.asarray(polygons.lengths, np.int64)
-    if lengths.min() < 3:
-        raise ValueError(f"a face of {lengths.min()} corners")
     first = np.cumsum(lengths) - lengths
     corners = np.empty(int(lengths.sum()), np.int64)
     for length in np.unique(lengths):

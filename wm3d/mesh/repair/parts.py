@@ -5,6 +5,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from wm3d.arrays import FloatArray, IntArray
+from wm3d.mesh.kernels import face_areas
 from wm3d.mesh.mesh import Mesh
 from wm3d.mesh.places import places
 from wm3d.mesh.repair.kernels import face_parts, part_volumes
@@ -12,8 +13,8 @@ from wm3d.mesh.repair.kernels import face_parts, part_volumes
 SPLINTER = 0.01
 """Share of the volume of the largest part, open or not, below which a part stays: no moment feels it."""
 
-LEAST_FACES, MOST_PARTS = 500, 8
-"""Which parts `large_parts` returns."""
+LEAST_FACES, LEAST_AREA, MOST_PARTS = 500, 1e-6, 8
+"""Which parts `large_parts` returns: of so many faces, and of so much of the surface."""
 
 
 def part_turns(vertices: FloatArray, faces: IntArray) -> IntArray:
@@ -57,7 +58,7 @@ class Part(NamedTuple):
 def large_parts(mesh: Mesh) -> list[Part]:
     """Return the parts of a mesh, those of most faces first; none if it is one part.
 
-    Up to `MOST_PARTS` of at least `LEAST_FACES`: fewer faces carry no mark.
+    Up to `MOST_PARTS` of at least `LEAST_FACES`, for fewer faces carry no mark, and `LEAST_AREA`.
     """
     if face_parts(len(mesh.vertices), mesh.faces)[1] == 1:
         return []
@@ -68,11 +69,11 @@ def large_parts(mesh: Mesh) -> list[Part]:
         return []
     _, closed = part_volumes(mesh.vertices[first], corners, part, parts)
     faces = np.bincount(part)
-    order = np.argsort(-faces, kind="stable")[:MOST_PARTS]
+    area = np.bincount(part, face_areas(mesh.vertices, mesh.faces))
+    large = np.flatnonzero((faces >= LEAST_FACES) & (area > LEAST_AREA * area.sum()))
     return [
         Part(Mesh(mesh.vertices, mesh.faces[part == k], mesh.name), bool(closed[k]))
-        for k in order
-        if faces[k] >= LEAST_FACES
+        for k in large[np.argsort(-faces[large], kind="stable")][:MOST_PARTS]
     ]
 
 

@@ -49,9 +49,9 @@ class Runs(NamedTuple):
         most = np.abs(shifts).max(axis=0)
         lines, line = np.unique(shifts[:, :2], axis=0, return_inverse=True)
         along = (shifts[:, 2] + most[2]) // step
-        runs, run = np.unique(np.column_stack([line, along // RUN]), axis=0, return_inverse=True)
+        runs, run = np.unique(np.column_stack([line.ravel(), along // RUN]), axis=0, return_inverse=True)
         rank = np.full((len(runs), RUN), -1)
-        rank[run, along % RUN] = np.arange(len(shifts))
+        rank[run.ravel(), along % RUN] = np.arange(len(shifts))
         starts = np.column_stack([lines[runs[:, 0]] + most[:2], RUN * runs[:, 1]])
         return cls(starts, rank, _interleaved(cube, most, step))
 
