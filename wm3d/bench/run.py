@@ -177,8 +177,8 @@ def _tell_lost(cells: Iterable[Cell]) -> None:
     for names, trials in lost.items():
         count = "1 trial is" if trials == 1 else f"{trials} trials are"
         print(
-            f"{', '.join(names)}: {count} lost, for the worker died or ran out of memory each time; run again "
-            "to retry, with fewer --workers if memory is short.",
+            f"{', '.join(names)}: {count} lost, for the worker died or ran out of memory each time; run "
+            "again to retry, with fewer --workers if memory is short.",
             file=sys.stderr,
         )
 
