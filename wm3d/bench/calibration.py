@@ -7,6 +7,7 @@ from wm3d.bench.plan import CALIBRATION_DB, CalibrationCell, uncalibrated
 from wm3d.bench.seeds import derived_seed
 from wm3d.errors import in_words
 from wm3d.mesh import Mesh
+from wm3d.metrics import Budget
 
 
 def calibration_row(cell: CalibrationCell, mesh: Mesh) -> tuple[dict[str, Any], Exception | None]:
@@ -15,9 +16,7 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> tuple[dict[str, Any], 
     One key serves all schemes and budgets. A scheme that cannot carry a mark in this mesh, or cannot meet the
     budget, has a row that says so.
     """
-    scheme, budget = cell.scheme, cell.budget
-    if budget is None:
-        raise ValueError("a calibration needs a budget")
+    scheme, budget = cell.scheme, _budget(cell)
     seed = derived_seed(cell.seed, cell.mesh_digest, 0, "calibration")
     strength, reached, met = float("nan"), float("nan"), None
     start = time.perf_counter()
@@ -39,16 +38,23 @@ def calibration_row(cell: CalibrationCell, mesh: Mesh) -> tuple[dict[str, Any], 
 
 def uncalibrated_row(cell: CalibrationCell, error: str) -> dict[str, Any]:
     """Return the row of a calibration of which nothing is known but what went wrong."""
+    budget = _budget(cell)
     return {
         "mesh": cell.mesh,
         "scheme": cell.label,
         "method": uncalibrated(cell.scheme).label(),
-        "budget": cell.budget.label() if cell.budget else "",
-        "metric": cell.budget.metric if cell.budget else "",
-        "wanted": cell.budget.value if cell.budget else float("nan"),
+        "budget": budget.label(),
+        "metric": budget.metric,
+        "wanted": budget.value,
         "reached": float("nan"),
         "parameter": cell.scheme.strength,
         "strength": float("nan"),
         "seconds": float("nan"),
         "error": error,
     }
+
+
+def _budget(cell: CalibrationCell) -> Budget:
+    if cell.budget is None:
+        raise ValueError("a calibration needs a budget")
+    return cell.budget
