@@ -34,8 +34,8 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit status: 0 done; 1 `detect` found no mark, or trials of `run` or checks of `check-plugin` "
-    "failed; 2 bad input; 70 an error in wm3d or a plug-in, with its traceback; 130 stopped by Ctrl-C or "
-    "SIGTERM; 141 nobody reads the output.",
+    "failed; 2 bad input; 70 an error in wm3d or a plug-in, with its traceback; 130 stopped by Ctrl-C, "
+    "`run` by SIGTERM, too; 141 nobody reads the output.",
 )
 for command in (run, report, embed, detect, attack, scan, compare, check_plugin):
     app.command()(command)
