@@ -116,6 +116,12 @@ def test_all_wrong_parameters_stand_in_one_sentence():
     assert "\n" not in sentence
 
 
+@pytest.mark.parametrize("field", ["shade", "coats"])
+def test_true_is_no_number(field):
+    with pytest.raises(Wm3dError, match=rf"^paint red: {field} = True: must be a number\.$"):
+        paints().build("red", {field: True})
+
+
 def test_of_a_long_value_the_ends_are_told_and_of_a_missing_one_no_value():
     class Deep(Paint):
         name: Literal["deep"] = "deep"

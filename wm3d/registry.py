@@ -108,12 +108,20 @@ class Registry(Mapping[str, type[T]], Generic[T]):
             If the name is unknown or a parameter wrong; all wrong parameters are named in one sentence.
         """
         cls = self[name]
+        for field, value in parameters.items():
+            if isinstance(value, bool) and _is_a_number(cls.model_fields.get(field)):
+                raise Wm3dError(f"{self.kind} {name}: {field} = {value}: must be a number.")
         given = {field: _named(value, cls.model_fields.get(field)) for field, value in parameters.items()}
         try:
             return cls.model_validate({"name": name, **given})
         except ValidationError as error:
             faults = describe(error, cls)
             raise Wm3dError(f"{self.kind} {name}: {faults}" + "." * (not faults.endswith("?"))) from None
+
+
+def _is_a_number(field: FieldInfo | None) -> bool:
+    """Tell whether a field would take true and false for 1 and 0, which nobody means."""
+    return field is not None and field.annotation in (int, float)
 
 
 def _named(value: Any, field: FieldInfo | None) -> Any:

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 
@@ -69,6 +70,15 @@ def test_a_cell_that_runs_out_of_memory_is_lost_alone(workers):
     assert {cell.digest for cell in rows} == {cell.digest for each in given for cell in each.cells}
     lost = {cell for cell in rows if rows[cell].attrs.get(LOST)}
     assert lost == {cell for cell in rows if isinstance(cell.attack, Starving)}
+
+
+def test_who_stops_early_is_told_nothing_more():
+    results = execute([task(Clean(), start=start) for start in range(6)], MESHES, workers=2, dask=None)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        next(results)
+        results.close()
+    assert told == []
 
 
 @pytest.mark.parametrize(("count", "started"), [(1, 2), (2, 2), (3, 3), (9, 5)])

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from wm3d.attacks import ATTACKS
 from wm3d.contract import ATTACK_CHECKS, SCHEME_CHECKS, examine
 from wm3d.schemes import SCHEMES
 
@@ -25,6 +26,11 @@ def test_every_scheme_keeps_the_contract(name):
 def test_the_good_samples_keep_the_contract():
     assert faults(broken.Harmless(), ATTACK_CHECKS) == {}
     assert faults(broken.Paper(), SCHEME_CHECKS) == {}
+
+
+@pytest.mark.parametrize("name", ["gaussian-noise", "crop"])
+def test_an_attack_set_to_change_nothing_need_not_be_random(name):
+    assert faults(ATTACKS.build(name, {"percent": 0}), ATTACK_CHECKS) == {}
 
 
 @pytest.mark.parametrize("cls", broken.ATTACKS, ids=lambda cls: cls.__name__)

@@ -139,6 +139,11 @@ def test_unknown_name_suggests_the_nearest(data, use):
         getattr(datasets, use)("xyz")
 
 
+def test_a_name_with_the_ending_of_a_file_is_answered_with_who_reads_files():
+    with pytest.raises(Wm3dError, match=r"^x\.ply: names a file, .*; wm3d\.load_mesh reads files\.$"):
+        datasets.load("x.ply")
+
+
 def test_scans_are_credited_also_when_they_come_from_the_data_folder():
     for name in ("bunny", "bunny-closed", "happy-buddha-50k", "happy-buddha-300k", "dragon", "armadillo"):
         assert datasets.credit(name) == STANFORD

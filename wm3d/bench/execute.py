@@ -3,7 +3,7 @@
 import os
 import warnings
 from collections.abc import Callable, Generator, Iterator, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, closing, nullcontext
 
 import joblib
 import pandas as pd
@@ -102,10 +102,16 @@ def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
                 # no calls ahead: those in flight are lost with a worker
                 parallel = Parallel(return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
             try:
-                with keeping_memory(), warnings.catch_warnings():
+                with (
+                    keeping_memory(),
+                    warnings.catch_warnings(),
+                    closing(parallel(calls(left, started))) as results,
+                ):
                     # joblib replaces a worker that has grown, as by loading an engine, and finds that odd
                     warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")
-                    for index, rows in parallel(calls(left, started)):
+                    # who stops early, as on a full disk, says why
+                    warnings.filterwarnings("ignore", r"\d+ tasks which were still being processed")
+                    for index, rows in results:
                         yield left.pop(index), rows
             except TerminatedWorkerError:
                 for index in started & left.keys():

@@ -197,6 +197,8 @@ def _base(recipe: Recipe) -> str:
 
 
 def _unknown(name: str) -> str:
+    if Path(name).suffix.lower() in ENDINGS:
+        return f"{name}: names a file, not a mesh of `wm3d data list`; wm3d.load_mesh reads files."
     return (
         f"unknown mesh {name!r}: neither a dataset nor a mesh file, nor in a folder that the environment "
         f"variable WM3D_DATA names; {hint(name, dataset_names())}"
