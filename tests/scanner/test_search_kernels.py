@@ -2,16 +2,21 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from shapes import rotation
 
 from wm3d.scanner.registration.search_kernels import (
     CELL,
+    DAMPING,
+    FAR,
     GRID,
     HALF_WIDTH,
+    MOST_CHANGE,
     NEARNESS,
     OFF,
     RUN,
     TILT,
+    approached,
     cells,
     misfits,
     nearest_tried,
@@ -79,3 +84,60 @@ def test_misfit_counts_the_nearest_landmark_by_its_plane_its_distance_and_its_no
     expected = parts.mean(axis=1)
     found = misfits(PROBES, probe_normals, TURNS, sizes, shifts, points, normals, nearest, DISTANCE)
     np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_a_round_turns_shifts_and_scales_by_the_least_squares_of_distances_from_planes():
+    probes, points = 0.6 * PROBES, 0.2 * RNG.normal(size=(9, 3))
+    normals, probe_normals = RNG.normal(size=(9, 3)), RNG.normal(size=PROBES.shape)
+    normals, probe_normals = (n / np.linalg.norm(n, axis=1, keepdims=True) for n in (normals, probe_normals))
+    nearest, distance = RNG.integers(0, 9, GRID**3), RNG.uniform(0, 1.2 * FAR, GRID**3)
+    sizes, shifts = RNG.uniform(0.5, 1.0, 30), RNG.normal(0, 0.1, (30, 3))
+    found = approached(
+        probes, probe_normals, TURNS, sizes, shifts, points, normals, nearest, distance, 1, 0.4, 1.1
+    )
+    bounded = 0
+    for n in range(30):
+        arms = sizes[n] * probes @ TURNS[n].T
+        landmark, far = (field[numbered(arms + shifts[n])] for field in (nearest, distance))
+        plane = normals[landmark]
+        cosine = np.sum(probe_normals @ TURNS[n].T * plane, axis=1)
+        weight = np.where(far < FAR, np.maximum(cosine, 0) * (1 - (far / FAR) ** 2) ** 2, 0)
+        off = np.sum((arms + shifts[n] - points[landmark]) * plane, axis=1)
+        slope = np.column_stack([np.cross(arms, plane), plane, np.sum(arms * plane, axis=1)])
+        damping = np.sqrt(DAMPING * weight.sum()) * np.eye(7)  # as rows of their own
+        rows = np.vstack([np.sqrt(weight)[:, None] * slope, damping])
+        change, *_ = np.linalg.lstsq(rows, np.append(-np.sqrt(weight) * off, np.zeros(7)))
+        bounded += (np.abs(change) > MOST_CHANGE).any()
+        change = change.clip(-MOST_CHANGE, MOST_CHANGE)
+        turn = Rotation.from_rotvec(change[:3]).as_matrix() @ TURNS[n]
+        size = np.clip(sizes[n] * (1 + change[6]), 0.4, 1.1)
+        for got, expected in zip(found, (turn, size, shifts[n] + change[3:6]), strict=True):
+            np.testing.assert_allclose(got[n], expected, rtol=1e-6, atol=1e-6)
+    assert 0 < bounded < 30
+
+
+def test_probes_of_a_box_find_its_faces_from_a_place_near_and_stay_where_nothing_is():
+    faces = np.vstack([np.eye(3), -np.eye(3)])
+    grid = np.stack(np.meshgrid(*2 * [np.linspace(-0.9, 0.9, 7)]), axis=-1).reshape(-1, 2)
+    box = np.vstack(
+        [np.roll(np.column_stack([np.full(49, s), grid]), k, 1) for s in (1, -1) for k in range(3)]
+    )
+    box_normals = np.repeat(faces, 49, axis=0)
+    box = box * [1.0, 0.7, 0.5]
+    lookup = np.array([np.argmin(((box - place) ** 2).sum(axis=1)) for place in centres()], dtype=np.int64)
+    distance = np.minimum(np.linalg.norm(centres() - box[lookup], axis=1), FAR)
+    turn = Rotation.from_rotvec([0.2, -0.15, 0.1]).as_matrix()
+    start = np.stack([turn, turn]), np.array([0.9, 0.9]), np.array([[0.1, -0.1, 0.05], [9.0, 0.0, 0.0]])
+    turns, sizes, shifts = approached(
+        box, box_normals, *start, box, box_normals, lookup, distance, 12, 0.4, 1.1
+    )
+    assert np.degrees(Rotation.from_matrix(turns[0]).magnitude()) < 1
+    assert sizes[0] == pytest.approx(1, abs=0.01)
+    assert np.abs(shifts[0]).max() < 0.01
+    for part, before in zip((turns, sizes, shifts), start, strict=True):
+        np.testing.assert_allclose(part[1], before[1], atol=1e-12)
+
+
+def centres() -> np.ndarray:
+    """Middles of the cells of the cube."""
+    return (np.indices((GRID,) * 3).reshape(3, -1).T + 0.5) * CELL - HALF_WIDTH

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from wm3d.arrays import IntArray
-from wm3d.scanner.registration.fit import Fit, fitted, share_met
+from wm3d.scanner.registration.fit import NEAR, Fit, fitted, share_met
 from wm3d.scanner.registration.fit_kernels import FLOOR
 from wm3d.scanner.registration.landmarks import Landmarks
 from wm3d.scanner.registration.search import Search, turned_starts
@@ -51,9 +51,10 @@ FURTHER = (
 DOUBTFUL = 0.65
 """Share met below which the whole model is looked for, amid something that was added."""
 
-PROMISING, UNLIKELY = 0.75, 0.06
+PROMISING, UNLIKELY, CLOSELY = 0.75, 0.06, NEAR / 2
 """There a start is left where its sketch meets less than this part of what is met already, and a fit where it
-does not meet so much more: a model may be nearly its own mirror image."""
+does not meet so much more at that distance: a model may be nearly its own mirror image. From farther on a
+smooth one meets nearly as much in wrong places."""
 
 
 def registered(surface: Surface, landmarks: Landmarks, fits: Iterable[Fit], *, mirrored: bool = False) -> Fit:
@@ -71,6 +72,10 @@ def registered(surface: Surface, landmarks: Landmarks, fits: Iterable[Fit], *, m
     mirrored : bool, optional
         Whether turned starts are tried with the mirror image, too; see `Warp.mirrors`.
     """
+
+    def closely(fit: Fit) -> float:
+        return share_met(surface, landmarks, fit.warp, CLOSELY)
+
     tried = []
     for fit in fits:
         if len(landmarks.points) < FEWEST or fit.exact or fit.share >= SURE:
@@ -84,7 +89,7 @@ def registered(surface: Surface, landmarks: Landmarks, fits: Iterable[Fit], *, m
         if (search.mirrored and not mirrored) or (search.whole and best.share >= DOUBTFUL):
             continue
         others = _searched(surface, landmarks, search, PROMISING * best.share)
-        if others and _best(others).share > best.share + UNLIKELY:
+        if others and closely(_best(others)) > closely(best) + UNLIKELY:
             best = _best(others)
     return best
 

@@ -1,23 +1,21 @@
 """Starts for a fit where nothing is known of the pose: turns, shifts and sizes of a part of the model."""
 
-from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
-from scipy.spatial.transform import Rotation
 
-from wm3d.arrays import BoolArray, FloatArray, IntArray
+from wm3d.arrays import FloatArray, IntArray
 from wm3d.scanner.registration import search_kernels as kernels
 from wm3d.scanner.registration.landmarks import Landmarks
-from wm3d.scanner.registration.search_kernels import CELL, GRID
+from wm3d.scanner.registration.search_kernels import CELL, FAR, GRID
 from wm3d.scanner.registration.shifts import Runs, even_shifts
 from wm3d.scanner.registration.surface import Surface
 from wm3d.scanner.registration.warp import Warp
-from wm3d.scanner.turns import TURNS, apart, turns
+from wm3d.scanner.turns import apart, turns
 from wm3d.threads import by_halves
 
-STARTS, APART = 32, 20.0
+STARTS, APART = 12, 20.0
 """How many starts are returned, the best first, and the least angle between two, in degrees."""
 
 SIZES = (1.0, 0.85, 0.7, 0.55, 0.45)
@@ -33,22 +31,16 @@ AMID = 0.5
 OWN = np.array([1.0, 1.0, -1.0])
 """Makes a rotation a way to lay a mesh that is no mirror image: the frame of a scanner is left-handed."""
 
-CANDIDATES, CLOSE = 64, 10.0
-"""How many of the places tried are improved, the best of each size, and the least angle between two, in
-degrees. Of all sizes together right ones would not be among the best: large ones meet something anywhere."""
-
-FIRST_STEPS, STEPS = (0.3, 0.2), (0.2, 0.1, 0.1, 0.05)
-"""Steps of that: turns in radians, shifts in the size of the landmarks, and half as much of the own size."""
-
-KEPT = 64
-"""How many of them are improved further after the first steps."""
+TURNED, CANDIDATES, ROUNDS = 500, 128, 6
+"""How many turns are tried, one of them within 30° of any; how many of them, the best of each size, are led
+nearer; and in how many rounds. Of all sizes together right ones would not be among the best: large ones meet
+something anywhere."""
 
 LEAST_SIZE, MOST_SIZE = 0.4, 1.1
 """Bounds of the sizes that are come to."""
 
-PROBES, FEW_PROBES, FAR = 250, 64, 0.5
-"""Points of the surface, about, by which the best and by which all places are compared, and the distance from
-which one counts as lost."""
+PROBES, FEW_PROBES = 250, 64
+"""Points of the surface, about, by which the best and by which all places are compared."""
 
 
 class _Places(NamedTuple):
@@ -64,27 +56,6 @@ class _Places(NamedTuple):
     turn: FloatArray
     size: FloatArray
     shift: FloatArray
-
-    def neighbours(self, step: float) -> Iterator[Self]:
-        """Yield these places a step on in each of 14 directions: turned, shifted, smaller and larger."""
-        for way in np.vstack([np.eye(3), -np.eye(3)]):
-            yield self._replace(turn=Rotation.from_rotvec(step * way).as_matrix() @ self.turn)
-            yield self._replace(shift=self.shift + step * way)
-        for growth in (1 - step / 2, 1 + step / 2):
-            yield self._replace(size=(growth * self.size).clip(LEAST_SIZE, MOST_SIZE))
-
-    def some(self, which: IntArray) -> Self:
-        """Return some of these places."""
-        return type(self)(*(part[which] for part in self))
-
-    def replaced(self, where: BoolArray, others: Self) -> Self:
-        """Return these places with `others` in the place of some."""
-        wide = where[:, None]
-        return type(self)(
-            np.where(wide[:, None], others.turn, self.turn),
-            np.where(where, others.size, self.size),
-            np.where(wide, others.shift, self.shift),
-        )
 
 
 class _Field(NamedTuple):
@@ -120,10 +91,14 @@ class _Field(NamedTuple):
         nearest = landmark.reshape(cube.shape)[i, j, k]
         return cls(points, normals, nearest.ravel(), np.minimum(distance * CELL, FAR).ravel(), power)
 
+    @property
+    def looked_up(self) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
+        """What kernels take of this."""
+        return self.points, self.normals, self.nearest, self.distance
+
     def misfit(self, places: _Places, probes: Landmarks) -> FloatArray:
         """Return how far probes lie off the points in each of (n,) places, on average."""
-        field = self.points, self.normals, self.nearest, self.distance
-        misfit: FloatArray = kernels.misfits(probes.points, probes.normals, *places, *field)
+        misfit: FloatArray = kernels.misfits(probes.points, probes.normals, *places, *self.looked_up)
         return misfit / places.size**self.power
 
 
@@ -140,8 +115,8 @@ def turned_starts(surface: Surface, landmarks: Landmarks, search: Search) -> lis
     Of a model that lost a part every point still has its landmark, and of one to which something was added
     every landmark has its point. So the points of the surface that would be landmarks themselves look for
     landmarks, or with `whole` the other way round. Turns are tried all around in some sizes, each at its best
-    shift; the best places of each size are improved in small steps towards the tangent planes, and compared
-    by these and by the normals.
+    shift; the best places of each size are led to where points lie in tangent planes, and compared by these
+    and by the normals.
     """
     suspect = Landmarks.of(surface, Warp.linear(np.eye(3), np.zeros(3)))
     if search.whole:
@@ -163,9 +138,7 @@ def _laid(probes: Landmarks, others: Landmarks, mirrored: bool, amid: bool) -> l
 
     few, probes = (probes.every(max(len(probes.points) // count, 1)) for count in (FEW_PROBES, PROBES))
     hand, step = -OWN if mirrored else OWN, SHIFT_AMID if amid else SHIFT
-    places = _descended(_tried(few, turns(TURNS) * hand, step, field), FIRST_STEPS, probes, field)
-    best = np.argsort(field.misfit(places, probes), kind="stable")[:KEPT]
-    places = _descended(places.some(best), STEPS, probes, field)
+    places = _approached(_tried(few, turns(TURNED) * hand, step, field), probes, field)
     order = np.argsort(field.misfit(places, probes), kind="stable")
     chosen = order[apart(places.turn[order], APART, STARTS)]
     return [
@@ -183,8 +156,7 @@ def _tried(probes: Landmarks, candidates: FloatArray, step: int, field: _Field) 
         np.ascontiguousarray(candidates[:, axes]),
     )
     misfit, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
-    order = np.argsort(misfit, axis=0, kind="stable")
-    best = [order[apart(candidates[order[:, a]], CLOSE, CANDIDATES), a] for a in range(len(sizes))]
+    best = np.argsort(misfit, axis=0, kind="stable")[:CANDIDATES].T
     return _Places(
         np.concatenate([candidates[some] for some in best]),
         np.repeat(sizes, [len(some) for some in best]),
@@ -192,18 +164,15 @@ def _tried(probes: Landmarks, candidates: FloatArray, step: int, field: _Field) 
     )
 
 
-def _descended(places: _Places, steps: Sequence[float], probes: Landmarks, field: _Field) -> _Places:
-    """Take one step after the other from each place, every one in the best of the directions."""
+def _approached(places: _Places, probes: Landmarks, field: _Field) -> _Places:
+    """Lead each place to where probes lie in the tangent planes of the points near them."""
 
-    def improved(which: IntArray) -> _Places:
-        best = places.some(which)
-        for step in steps:
-            here, least = best, field.misfit(best, probes)
-            for neighbour in here.neighbours(step):
-                misfit = field.misfit(neighbour, probes)
-                best = best.replaced(misfit < least, neighbour)
-                least = np.minimum(misfit, least)
-        return best
+    def led(which: IntArray) -> _Places:
+        some = (part[which] for part in places)
+        found = kernels.approached(
+            probes.points, probes.normals, *some, *field.looked_up, ROUNDS, LEAST_SIZE, MOST_SIZE
+        )
+        return _Places(*found)
 
-    one, other = by_halves(improved, np.arange(len(places.size)))
+    one, other = by_halves(led, np.arange(len(places.size)))
     return _Places(*(np.concatenate(parts) for parts in zip(one, other, strict=True)))

@@ -24,6 +24,13 @@ OFF, NEARNESS, TILT = 0.25, 0.3, 0.1
 1 − the cosine of the normals count beside. A smooth surface lies near to landmarks in wrong places too, but
 not in their planes."""
 
+FAR = 0.5
+"""Distance from a landmark from which a probe counts as lost, and is not drawn to it."""
+
+DAMPING, MOST_CHANGE = 0.003, 0.5
+"""Weight of a change against that of the landmarks, for a flat patch fixes not all; and how much a turn (in
+radians), a shift or the size may change in a round."""
+
 
 @njit(cache=True)
 def cells(places: FloatArray) -> IntArray:
@@ -127,6 +134,87 @@ def misfits(
             total += min(off, OFF) + NEARNESS * distance[cell] + TILT * (1.0 - cosine)
         means[n] = total / len(probes)
     return means
+
+
+@njit(cache=True, nogil=True)
+def approached(
+    probes: FloatArray,
+    probe_normals: FloatArray,
+    turns: FloatArray,
+    sizes: FloatArray,
+    shifts: FloatArray,
+    points: FloatArray,
+    normals: FloatArray,
+    nearest: IntArray,
+    distance: FloatArray,
+    rounds: int,
+    least_size: float,
+    most_size: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Bring (k, 3) probes nearer to the tangent planes at landmarks, from each of n poses, in so many rounds.
+
+    In each round every probe looks for the landmark of its cell (as in `misfits`), and the change of turn,
+    shift and size is solved for that brings them to the planes there, by weighted least squares: iterated
+    closest points (Chen and Medioni, 1992). Returns the turns, sizes and shifts come to.
+    """
+    turns, sizes, shifts = turns.copy(), sizes.copy(), shifts.copy()
+    for n in range(len(turns)):
+        for _ in range(rounds):
+            turned, turned_normals = _turned(probes, turns[n]), _turned(probe_normals, turns[n])
+            change = _change(sizes[n] * turned, turned_normals, shifts[n], points, normals, nearest, distance)
+            turns[n] = _rotation(change[:3]) @ turns[n]
+            shifts[n] += change[3:6]
+            sizes[n] = min(max(sizes[n] * (1.0 + change[6]), least_size), most_size)
+    return turns, sizes, shifts
+
+
+@njit(cache=True)
+def _change(
+    arms: FloatArray,
+    arm_normals: FloatArray,
+    shift: FloatArray,
+    points: FloatArray,
+    normals: FloatArray,
+    nearest: IntArray,
+    distance: FloatArray,
+) -> FloatArray:
+    """Rotation vector, shift and growth about `shift` that lay probes at shift + arms on planes: (7,)."""
+    left, right, slope, weights = np.zeros((7, 7)), np.zeros(7), np.empty(7), 0.0
+    for k in range(len(arms)):
+        x, y, z = arms[k, 0], arms[k, 1], arms[k, 2]
+        place = x + shift[0], y + shift[1], z + shift[2]
+        cell = _cell(place)
+        i = nearest[cell]
+        a, b, c = normals[i, 0], normals[i, 1], normals[i, 2]
+        cosine = arm_normals[k, 0] * a + arm_normals[k, 1] * b + arm_normals[k, 2] * c
+        if distance[cell] >= FAR or cosine <= 0.0:
+            continue
+        off = (place[0] - points[i, 0]) * a + (place[1] - points[i, 1]) * b + (place[2] - points[i, 2]) * c
+        weight = cosine * (1.0 - (distance[cell] / FAR) ** 2) ** 2
+        slope[0], slope[1], slope[2] = y * c - z * b, z * a - x * c, x * b - y * a
+        slope[3], slope[4], slope[5], slope[6] = a, b, c, x * a + y * b + z * c
+        weights += weight
+        for m in range(7):
+            right[m] -= weight * slope[m] * off
+            for n in range(7):
+                left[m, n] += weight * slope[m] * slope[n]
+    for m in range(7):
+        left[m, m] += DAMPING * weights + 1e-9  # it may be that none is reached
+    right[:] = np.linalg.solve(left, right)
+    change: FloatArray = right.clip(-MOST_CHANGE, MOST_CHANGE)
+    return change
+
+
+@njit(cache=True)
+def _rotation(vector: FloatArray) -> FloatArray:
+    """Matrix of a rotation vector (Rodrigues)."""
+    angle = np.sqrt((vector**2).sum())
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = vector / angle
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    rotation: FloatArray = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    return rotation
 
 
 @njit(cache=True)
