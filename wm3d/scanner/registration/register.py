@@ -20,8 +20,9 @@ FEWEST = 60
 """Fewest landmarks that say more than a pose; few have a normal where a model is all edges."""
 
 SURE = 0.85
-"""Share of the landmarks met at which a pose is taken, and no other and no turned start tried. A smooth model
-that lost a part may meet 0.86 in the wrong place, or mirrored."""
+"""Share of the landmarks met at which a pose is taken, and no other and no turned start tried; that of what is
+found from such a start counts `CLOSELY`. A smooth model that lost a part may meet 0.86 in the wrong place, or
+mirrored."""
 
 GAIN = 0.03
 """By how much the share of the landmarks met must grow for a fit to be preferred to a simpler one."""
@@ -84,7 +85,7 @@ def registered(surface: Surface, landmarks: Landmarks, fits: Iterable[Fit], *, m
     sound = [fit for fit in tried if not _presses_flat(fit.warp)]
     best = _best([*sound, *_searched(surface, landmarks, Search(mirrored=False, whole=False))])
     for search in FURTHER:
-        if best.share >= SURE:
+        if closely(best) >= SURE:
             break
         if (search.mirrored and not mirrored) or (search.whole and best.share >= DOUBTFUL):
             continue
