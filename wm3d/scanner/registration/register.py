@@ -20,8 +20,8 @@ FEWEST = 60
 """Fewest landmarks that say more than a pose; few have a normal where a model is all edges."""
 
 SURE = 0.85
-"""Share of the landmarks met at which a pose is taken, and no other and no turned start tried; for what is found
-from such a start, the share met `CLOSELY`. A smooth model that lost a part may meet 0.86 in the wrong place, or
+"""Share of the landmarks met at which a pose is taken, and no other and no turned start tried. What is found
+from such a start must meet it `CLOSELY`. A smooth model that lost a part may meet 0.86 in the wrong place, or
 mirrored."""
 
 GAIN = 0.03
