@@ -195,10 +195,12 @@ def _change(
         slope[3], slope[4], slope[5], slope[6] = a, b, c, x * a + y * b + z * c
         weights += weight
         for m in range(7):
-            right[m] -= weight * slope[m] * off
-            for n in range(7):
-                left[m, n] += weight * slope[m] * slope[n]
+            pull = weight * slope[m]
+            right[m] -= pull * off
+            for n in range(m + 1):
+                left[m, n] += pull * slope[n]
     for m in range(7):
+        left[:m, m] = left[m, :m]
         left[m, m] += DAMPING * weights + 1e-9  # it may be that none is reached
     right[:] = np.linalg.solve(left, right)
     change: FloatArray = right.clip(-MOST_CHANGE, MOST_CHANGE)
