@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import polar
+from scipy.spatial.transform import Rotation
 from shapes import blob, box, fine_box, inside_out, rotation
 
 from wm3d.attacks import Crop
@@ -10,6 +12,7 @@ from wm3d.scanner.registration import Fit, Landmarks, Surface, Warp, nearest, po
 from wm3d.scanner.registration.fit import fitted, share_met
 from wm3d.scanner.registration.fit_kernels import sound
 from wm3d.scanner.registration.landmarks import FLAT
+from wm3d.scanner.registration.search import Search, turned_starts
 from wm3d.scanner.registration.warp import QUADRATIC_TERMS
 
 MESH = blob(0, 4)
@@ -129,6 +132,15 @@ def test_any_turn_of_a_torso_is_found(seed, percent, off):
     placed = found.warp(surface.placed(turned.vertices))
     distance = np.linalg.norm(placed - torso.vertices @ MIRROR, axis=1)
     assert np.median(distance) < off  # the blob is smooth: it slides along itself
+
+
+@pytest.mark.parametrize(("percent", "seed"), [(30, 0), (50, 1), (60, 2)])
+def test_the_best_start_for_a_turned_torso_is_within_degrees_of_its_pose(percent, seed):
+    torso, turn = Crop(percent=percent)(MESH, np.random.default_rng(seed)), rotation(seed + 1)
+    surface = Surface.of(torso.with_vertices(torso.vertices @ turn.T))
+    best = turned_starts(surface, landmarks_of(MESH), Search(mirrored=False, whole=False))[0]
+    off = polar(best.matrix)[0] @ (MIRROR @ turn.T).T
+    assert np.degrees(Rotation.from_matrix(off).magnitude()) < 3
 
 
 @pytest.mark.parametrize(("percent", "seed"), [(10, 1), (10, 3), (20, 1), (20, 6), (30, 1)])
