@@ -110,7 +110,7 @@ def _on_processes(meshes: Mapping[str, Mesh], workers: int) -> Run:
                     # joblib replaces a worker that has grown, as by loading an engine, and finds that odd
                     warnings.filterwarnings("ignore", "A worker stopped while some jobs were given")
                     # who stops early, as on a full disk, says why
-                    warnings.filterwarnings("ignore", r"\d+ tasks which were still being processed")
+                    warnings.filterwarnings("ignore", r"\d+ tasks .* You could benefit from adjusting")
                     for index, rows in results:
                         yield left.pop(index), rows
             except TerminatedWorkerError:
