@@ -156,12 +156,9 @@ def _tried(probes: Landmarks, candidates: FloatArray, step: int, field: _Field) 
         np.ascontiguousarray(candidates[:, axes]),
     )
     misfit, shift = (np.concatenate(parts) for parts in zip(*halves, strict=True))
-    best = np.argsort(misfit, axis=0, kind="stable")[:CANDIDATES].T
-    return _Places(
-        np.concatenate([candidates[some] for some in best]),
-        np.repeat(sizes, [len(some) for some in best]),
-        CELL * np.concatenate([shifts[shift[some, a]] for a, some in enumerate(best)]),
-    )
+    best = np.argsort(misfit, axis=0, kind="stable")[:CANDIDATES]
+    shifted = shifts[np.take_along_axis(shift, best, axis=0).T.ravel()]
+    return _Places(candidates[best.T.ravel()], np.repeat(sizes, len(best)), CELL * shifted)
 
 
 def _approached(places: _Places, probes: Landmarks, field: _Field) -> _Places:

@@ -127,11 +127,8 @@ def misfits(
             x, y, z = _placed(turned[k], sizes[n], shifts[n])
             cell = _cell((x, y, z))
             i = nearest[cell]
-            off = (x - points[i, 0]) * normals[i, 0] + (y - points[i, 1]) * normals[i, 1]
-            off = abs(off + (z - points[i, 2]) * normals[i, 2])
-            cosine = turned_normals[k, 0] * normals[i, 0] + turned_normals[k, 1] * normals[i, 1]
-            cosine += turned_normals[k, 2] * normals[i, 2]
-            total += min(off, OFF) + NEARNESS * distance[cell] + TILT * (1.0 - cosine)
+            off, cosine = _compared((x, y, z), turned_normals[k], points[i], normals[i])
+            total += min(abs(off), OFF) + NEARNESS * distance[cell] + TILT * (1.0 - cosine)
         means[n] = total / len(probes)
     return means
 
@@ -185,12 +182,11 @@ def _change(
         place = x + shift[0], y + shift[1], z + shift[2]
         cell = _cell(place)
         i = nearest[cell]
-        a, b, c = normals[i, 0], normals[i, 1], normals[i, 2]
-        cosine = arm_normals[k, 0] * a + arm_normals[k, 1] * b + arm_normals[k, 2] * c
+        off, cosine = _compared(place, arm_normals[k], points[i], normals[i])
         if distance[cell] >= FAR or cosine <= 0.0:
             continue
-        off = (place[0] - points[i, 0]) * a + (place[1] - points[i, 1]) * b + (place[2] - points[i, 2]) * c
         weight = cosine * (1.0 - (distance[cell] / FAR) ** 2) ** 2
+        a, b, c = normals[i, 0], normals[i, 1], normals[i, 2]
         slope[0], slope[1], slope[2] = y * c - z * b, z * a - x * c, x * b - y * a
         slope[3], slope[4], slope[5], slope[6] = a, b, c, x * a + y * b + z * c
         weights += weight
@@ -205,6 +201,18 @@ def _change(
     right[:] = np.linalg.solve(left, right)
     change: FloatArray = right.clip(-MOST_CHANGE, MOST_CHANGE)
     return change
+
+
+@njit(cache=True)
+def _compared(
+    place: Vector, turned_normal: FloatArray, point: FloatArray, normal: FloatArray
+) -> tuple[float, float]:
+    """How far a probe lies above the tangent plane at a landmark, and the cosine between their normals."""
+    off: float = (place[0] - point[0]) * normal[0] + (place[1] - point[1]) * normal[1]
+    off += (place[2] - point[2]) * normal[2]
+    cosine: float = turned_normal[0] * normal[0] + turned_normal[1] * normal[1]
+    cosine += turned_normal[2] * normal[2]
+    return off, cosine
 
 
 @njit(cache=True)
