@@ -1,6 +1,6 @@
 """Work on two threads, as far as it does not hold the GIL."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
@@ -10,17 +10,12 @@ from numba import config
 from wm3d.arrays import FloatArray, IntArray
 
 T = TypeVar("T")
-Item = TypeVar("Item")
 Items = TypeVar("Items", FloatArray, IntArray)
 
 
 def two_threads() -> ThreadPoolExecutor:
     """Return two threads, or one where numba may use one, as in a worker; no number may depend on that."""
-    return ThreadPoolExecutor(_count())
-
-
-def _count() -> int:
-    return min(2, int(config.NUMBA_NUM_THREADS))
+    return ThreadPoolExecutor(min(2, int(config.NUMBA_NUM_THREADS)))
 
 
 def by_halves(kernel: Callable[[Items], T], items: Items) -> tuple[T, T]:
@@ -28,11 +23,3 @@ def by_halves(kernel: Callable[[Items], T], items: Items) -> tuple[T, T]:
     with two_threads() as threads:
         one, other = threads.map(kernel, np.array_split(items, 2))
     return one, other
-
-
-def ahead(kernel: Callable[[Item], T], items: Sequence[Item]) -> Iterator[T]:
-    """Yield what a kernel makes of one item after the other; as long as it is asked for, on `two_threads`."""
-    count = _count()
-    with two_threads() as threads:
-        for first in range(0, len(items), count):
-            yield from threads.map(kernel, items[first : first + count])

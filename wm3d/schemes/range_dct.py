@@ -51,7 +51,7 @@ class RangeDct(Scheme):
         What `embed` finds out of the mesh; detection needs it.
     """
 
-    version: ClassVar[int] = 14
+    version: ClassVar[int] = 15
 
     name: Literal["range-dct"] = "range-dct"
     strength: ClassVar[str] = "alpha"

@@ -15,7 +15,7 @@ from wm3d.scanner.registration.warp import Warp
 from wm3d.scanner.turns import apart, turns
 from wm3d.threads import by_halves
 
-STARTS, APART = 12, 20.0
+STARTS, APART = 8, 20.0
 """How many starts are returned, the best first, and the least angle between two, in degrees."""
 
 SIZES = (1.0, 0.85, 0.7, 0.55, 0.45)
@@ -31,8 +31,8 @@ AMID = 0.5
 OWN = np.array([1.0, 1.0, -1.0])
 """Makes a rotation a way to lay a mesh that is no mirror image: the frame of a scanner is left-handed."""
 
-TURNED, CANDIDATES, ROUNDS = 500, 128, 6
-"""How many turns are tried, one of them within 30° of any; how many of them, the best of each size, are led
+TURNED, CANDIDATES, ROUNDS = 1000, 128, 6
+"""How many turns are tried, one of them within 23° of any; how many of them, the best of each size, are led
 nearer; and in how many rounds. Of all sizes together right ones would not be among the best: large ones meet
 something anywhere."""
 
