@@ -36,8 +36,8 @@ SKETCH, SKETCH_ROUNDS = 3, 15
 """Turned starts are tried on one landmark in so many, for so many rounds."""
 
 FINALISTS = 2
-"""How many of the sketches are fitted in full. Of 231 parts of which one was right, most of them a third or a fifth
-of a model, it was the best in 228 and the second in 2."""
+"""How many of the sketches are fitted in full. Of 231 parts of which one was right, most of them a third or a
+fifth of a model, it was the best in 228 and the second in 2."""
 
 FURTHER = (
     Search(mirrored=False, whole=True),
