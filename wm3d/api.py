@@ -116,7 +116,7 @@ def detect(mesh: Mesh, key: Key, *, original: Mesh | None = None) -> Score:
     mesh : Mesh
     key : Key
     original : Mesh, optional
-        The mesh before it was marked. A blind scheme does not need it; for another it must be given with a
+        The mesh before it was marked. A blind scheme does not look at it; for another it must be given with a
         key that comes from a file.
 
     Returns
@@ -127,8 +127,8 @@ def detect(mesh: Mesh, key: Key, *, original: Mesh | None = None) -> Score:
     Raises
     ------
     Wm3dError
-        If `mesh` or `original` is no `Mesh` or `key` no `Key`, the mesh cannot be read, or the original is
-        missing or another mesh.
+        If `mesh` or `original` is no `Mesh` or `key` no `Key`, the mesh cannot be read, or the original that
+        the scheme reads against is missing or another mesh.
     """
     _check(mesh, Mesh, "the mesh", "wm3d.load_mesh reads one from a file")
     _check(key, Key, "the key", "wm3d.Key.load reads one from a file")

@@ -5,6 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic.fields import FieldInfo
 
 from wm3d.errors import Wm3dError
 
@@ -36,6 +37,11 @@ class Component(BaseModel):
         except TypeError as error:
             raise ValueError(f"cannot be hashed ({error}); let its parameters be tuples, not lists") from None
         return self
+
+    @classmethod
+    def settable(cls) -> dict[str, FieldInfo]:
+        """Return the parameters but those that `embed` finds out, which a label does not tell either."""
+        return {name: field for name, field in cls.model_fields.items() if name != "name" and field.repr}
 
     @property
     def engines(self) -> tuple[str, ...]:

@@ -174,7 +174,7 @@ def _describe_one(fault: Any, cls: type[Component]) -> str:
     if fault["type"] == "extra_forbidden" and len(fault["loc"]) > 1:  # of a component inside this one
         return f"unknown parameter {shown(path)}"
     if fault["type"] == "extra_forbidden":
-        known = [field for field in cls.model_fields if field != "name"]
+        known = list(cls.settable())
         return f"unknown parameter {shown(path)}, {hint(path, known).rstrip('.')}"
     if fault["type"] == "missing":
         return f"{path} is missing"

@@ -170,7 +170,7 @@ def test_overrides_change_values_deep_inside(path):
         ("title=" + "[" * 3000, f"--set title={'[' * 54}...{'[' * 17}: is nested too deeply."),
         (f"attacks.{'9' * 5000}=1", f"--set attacks.{'9' * 52}...{'9' * 15}=1: there is no "
          f"'{'9' * 37}...{'9' * 38}' in attacks, a list of 1; indices count from 0."),
-        ("suites=[liris]", "--set suites=[liris]: no such suite; did you mean 'liris2010'?"),
+        ("suites=[liris]", "--set suites=[liris]: there is no suite 'liris'; did you mean 'liris2010'?"),
     ],
 )  # fmt: skip
 def test_wrong_overrides_are_told_by_what_the_user_typed(path, override, sentence):

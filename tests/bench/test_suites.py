@@ -65,8 +65,14 @@ def test_config_as_run_names_every_attack_and_no_suite(tmp_path):
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("suites: [liris2011]\n", "line 4, suites[0]: no such suite; did you mean 'liris2010'?"),
-        ("suites: [../secret]\n", "line 4, suites[0]: no such suite; known: hostile, liris2010, "),
+        (
+            "suites: [liris2011]\n",
+            "line 4, suites[0]: there is no suite 'liris2011'; did you mean",
+        ),
+        (
+            "suites: [../secret]\n",
+            "line 4, suites[0]: there is no suite '../secret'; known: hostile",
+        ),
         ("attacks: []\n", "line 4, attacks: are missing; list one or more, or name suites."),
         ("", "attacks: are missing; list one or more, or name suites."),
         ("attacks: [{name: chain}]\n", "line 4, attacks: hold a chain of none; name the attacks of a chain"),

@@ -47,6 +47,20 @@ def test_detect_finds_nothing_in_the_original(wm3d: Run, files: Path) -> None:
     assert json.loads(outcome.stdout)["detected"] is False
 
 
+def test_an_original_that_a_blind_scheme_does_not_look_at_is_told(wm3d: Run, files: Path) -> None:
+    arguments = (
+        "detect",
+        files / "marked.ply",
+        "--key",
+        files / "good.json",
+        "--original",
+        files / "good.ply",
+    )
+    outcome = wm3d(*arguments)
+    assert outcome.status == 0
+    assert outcome.stderr.endswith("good.ply: is not looked at, for song2002 is a blind scheme.\n")
+
+
 def test_no_mark_with_a_key_of_another_version_says_so(wm3d: Run, files: Path, tmp_path: Path) -> None:
     content = json.loads((files / "good.json").read_text())
     (tmp_path / "old.json").write_text(json.dumps({**content, "version": 0}))

@@ -87,6 +87,20 @@ def test_strength_stays_within_its_bound(scheme: Swelling):
         scheme.at_snr(box(), 0, 5.9)  # a growth of 0.507
 
 
+def test_what_is_far_beyond_the_bound_of_a_strength_is_not_looked_for_up_to_the_bound():
+    tried = []
+
+    class Slow(Bounded):
+        def embed(self, mesh, seed):
+            tried.append(self.growth)
+            return super().embed(mesh, seed)
+
+    with pytest.raises(Wm3dError, match=r"dB too weak\.$"):
+        Slow().at_snr(box(), 0, 1.0)  # a growth of 0.89
+    assert len(tried) <= 3
+    assert max(tried) < 0.4
+
+
 def test_a_strength_that_names_no_parameter_is_told():
     class Strange(Swelling):
         strength = "force"

@@ -95,6 +95,7 @@ def test_secret_is_not_shown_where_a_key_is_printed():
         ({**GOOD, "scheme": {"name": "song2002", "grid": None}}, "grid = None: "),
         ({**GOOD, "version": 0, "scheme": {"name": "song2002", "aplha": 1}}, "try the wm3d that wrote it."),
         ({**GOOD, "scheme": {"name": "song2002", "detector": {"name": "best"}}}, "best"),
+        ({**GOOD, "scheme": {"name": "range-dct"}}, "is not a complete key: a range-dct scheme reads"),
     ],
 )  # fmt: skip
 def test_malformed_key_is_refused_in_one_sentence(tmp_path, content, sentence):

@@ -7,7 +7,7 @@ import pytest
 from plain import plain_z
 from scipy.spatial import KDTree
 from scipy.stats import kstest
-from shapes import blob, inside_out, rotation, soup, together
+from shapes import blob, box, inside_out, rotation, soup, together
 
 from wm3d.attacks import (
     Attack,
@@ -34,11 +34,12 @@ from wm3d.metrics import snr
 from wm3d.scanner.affine import principal_frame
 from wm3d.scanner.denoise import CRUMPLED, whitened_area
 from wm3d.scanner.registration import Landmarks
+from wm3d.scanner.scan import MAX_GRID
 from wm3d.scanner.volume import volume_image
 from wm3d.schemes import SCHEMES, Key, Song2002
 from wm3d.schemes.informed import pattern_moves
 from wm3d.schemes.movement import _weight
-from wm3d.schemes.volume_host import AXIS, host_of, laid
+from wm3d.schemes.volume_host import AXIS, Layout, host_of, laid
 from wm3d.stats import key_signs, key_signs_batch
 
 SCHEME = SCHEMES.build("range-dct", {})
@@ -77,6 +78,13 @@ def test_pattern_moves_vertices_along_their_normals_by_its_value_there():
     moves = along[:, None] * vertex_normals(MESH)
     moves *= 0.01 / rms(moves)
     np.testing.assert_allclose(host.moves(pattern_moves(host, signs, 0.01)), moves, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("extents", "grid"), [((1, 1e-5, 1e-5), (8, 2400)), ((1e-5, 1, 1), (2400, 8))])
+def test_a_rod_and_a_disc_are_laid_no_more_blocks_than_any_solid(extents, grid):
+    solid = box(extents)
+    assert Layout.around(solid.vertices, solid, 300).grid == grid
+    assert max(Layout.around(solid.vertices, solid, 10_000).grid) == MAX_GRID
 
 
 def test_vertices_move_along_their_normals(embedded):

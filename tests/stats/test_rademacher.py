@@ -25,6 +25,9 @@ def test_the_p_value_of_the_best_of_several_counts_them_all(seed):
     assert best.null.log10_p([best.z, 9.0]).tolist() == [best.log10_p, best.null.log10_p(9.0)]
     assert best.p_value == pytest.approx(min(1.0, 24 * alone.p_value))
     assert best.null.log10_p_least == pytest.approx(alone.null.log10_p_least + np.log10(24))
+    threshold = best.null.z_at(-6.0)
+    above, below = best.null.log10_p([threshold - 1e-6, threshold + 1e-6])
+    assert above >= -6.0 >= below
 
 
 def test_negated_key_negates_z():

@@ -49,7 +49,7 @@ def _joined(alternatives: list[str]) -> str:
         wanted = [alternative.partition(" must be ")[2] for alternative in alternatives]
         alternatives = [f"{heads.pop()} must be {' or '.join(wanted)}"]
     text = "; or ".join(alternatives)
-    return text if text.endswith("?") else f"{text}."
+    return text if text.endswith(("?", ".")) else f"{text}."
 
 
 def _locate(

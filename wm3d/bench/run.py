@@ -134,7 +134,7 @@ def _resolved(experiment: Experiment, config: str | Path) -> dict[str, Mesh]:
             meshes[name] = datasets.resolve(name)
         except Wm3dError as error:
             faults.append(str(error))
-            if not Path(name).is_absolute() and (Path(config).parent / name).is_file():
+            if not Path(name).exists() and (Path(config).parent / name).is_file():
                 faults[-1] += f" Paths are relative to the folder that the command runs in, {Path.cwd()}."
     if faults:
         count = f"{len(faults)} faults:\n  " if len(faults) > 1 else ""

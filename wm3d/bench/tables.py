@@ -216,7 +216,9 @@ def counted(false_alarms: pd.DataFrame) -> pd.DataFrame:
 def swept(rows: pd.DataFrame, false_alarms: pd.DataFrame) -> pd.DataFrame:
     """ROC as the paper made it: one threshold on z for all trials, Pf by counting, Pd from the marked trials.
 
-    Only thresholds whose Pf may be quoted, that is from 10/Pf keys. Pf was counted on the mesh of one trial.
+    Only thresholds whose Pf may be quoted, that is from 10/Pf keys. Pf was counted on the mesh of one trial,
+    for the reading that the detector chose there: where it chose among several (`RademacherSum.tries`), the
+    Pf of the detector is up to as many times that. `detection` takes that into account.
     """
     table = counted(false_alarms).dropna(subset="pf").drop(columns=["exceedances", "log10_pf_exact"])
     parts = []

@@ -12,8 +12,6 @@ from wm3d.cli.options import AsJson
 from wm3d.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
-    from pydantic.fields import FieldInfo
-
     from wm3d.component import Component
 
 Kind = Literal["schemes", "attacks", "imagemarks", "detectors", "metrics", "poses"]
@@ -162,20 +160,15 @@ def _defaults(cls: "type[Component]") -> dict[str, Any]:
 
     return {
         name: to_jsonable_python(field.get_default(call_default_factory=True, validated_data={}))
-        for name, field in _settable(cls).items()
+        for name, field in cls.settable().items()
         if not field.is_required()
     }
-
-
-def _settable(cls: "type[Component]") -> "dict[str, FieldInfo]":
-    """Return the parameters but those that `embed` finds out, which a label does not tell either."""
-    return {name: field for name, field in cls.model_fields.items() if name != "name" and field.repr}
 
 
 def _parameters(cls: "type[Component]") -> str:
     """Write name=default for each parameter, and the other words where only some are allowed."""
     texts = []
-    for name, field in _settable(cls).items():
+    for name, field in cls.settable().items():
         default = "?" if field.is_required() else _text(field.default)
         words = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
         others = [f"|{word}" for word in words if str(word) != default]

@@ -160,6 +160,9 @@ def detect(
     its_key = Key.load(key)
     if original is not None:
         its_key = its_key.with_original(read_mesh(original))
+        if its_key.scheme.blind:
+            blind = component_name(type(its_key.scheme))
+            typer.echo(f"wm3d: {original}: is not looked at, for {blind} is a blind scheme.", err=True)
     score = its_key.score(read_mesh(mesh))
     detected = score.detected(pf)
     if as_json:

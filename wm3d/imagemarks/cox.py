@@ -20,7 +20,8 @@ class Cox(ImageMark):
     detect. Here detection is blind: the coefficients are chosen by place, because an attack changes which are
     the largest, and the mark is additive, because without the original the coefficients themselves drown a
     multiplicative mark: its z is near α √n, 3 for their α = 0.1 and n = 1000. A step in the image, such as an
-    ear in front of a back, disturbs every coefficient here, and only its own block in `dct-additive`.
+    ear in front of a back, disturbs every coefficient here, and only its own block in `dct-additive`: the
+    bundled bunny reads z 0.3 to 5.1 just marked (20 seeds, default α), where 1e-6 asks for 4.75.
 
     Attributes
     ----------

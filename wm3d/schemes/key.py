@@ -109,9 +109,14 @@ class Key:
         if version is not None and (not isinstance(version, int) or isinstance(version, bool)):
             raise Wm3dError(f'is not a complete key: "version" is {shown(version)}, not an integer.')
         try:
-            return cls(SCHEMES.build(scheme["name"], scheme), seed, version)
+            built = SCHEMES.build(scheme["name"], scheme)
         except Wm3dError as error:
             raise Wm3dError(f"{error}{_written_for(scheme['name'], version)}") from None
+        try:
+            _ = built.capacity  # which what embedding found out decides, too
+        except Wm3dError as error:
+            raise Wm3dError(f"is not a complete key: {error}") from None
+        return cls(built, seed, version)
 
 
 def _written_for(name: str, version: int | None) -> str:

@@ -99,7 +99,7 @@ class RangeDct(Scheme):
             f"{mesh.name}: the mark cannot be read even from the marked mesh; alpha {self.alpha:g}, about "
             f"{decibels:.4g} dB, is too faint or too strong, or the mesh has too few vertices, bounds no "
             "solid or is out of shape; try another strength"
-            + (f", fewer blocks than {laid}," if laid > 1 else "")
+            + (f", other blocks than {laid}," if laid > 1 or self.blocks else "")
             + " or a finer mesh (subdivide it)."
         )
 

@@ -14,6 +14,7 @@ from wm3d.imagemarks.shaped_dct import ShapedDct
 from wm3d.mesh import Mesh, face_areas, orientation, places, vertex_normals, whole_surface
 from wm3d.scanner import kernels
 from wm3d.scanner.affine import MOST_WAYS, AffineFrame, principal_frame, ways
+from wm3d.scanner.scan import MAX_GRID
 from wm3d.scanner.volume import VolumeImage, volume_image, volume_jacobian
 from wm3d.schemes.movement import pooled
 
@@ -44,8 +45,9 @@ class Layout(NamedTuple):
         radius = math.sqrt(float(area @ square[mesh.faces].sum(axis=1) / (3 * area.sum())))
         heights = posed[mesh.used, 0]
         hmin, height = float(heights.min()), float(np.ptp(heights))
-        up = max(1, round(math.sqrt(blocks * height / (2 * math.pi * radius))))
-        around = max(1, round(blocks / up))
+        most = min(max(round(blocks), 1), MAX_GRID // BLOCK)  # on one side: a rod has all in a column
+        up = min(max(round(math.sqrt(blocks * height / (2 * math.pi * radius))), 1), most)
+        around = min(max(round(blocks / up), 1), most)
         return cls((BLOCK * around, BLOCK * up), hmin, height)
 
     def image(self, posed: FloatArray, mesh: Mesh) -> VolumeImage:

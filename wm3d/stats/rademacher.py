@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from wm3d.arrays import FloatArray, SignArray
 from wm3d.errors import Wm3dError
-from wm3d.stats.tail import log10_tail
+from wm3d.stats.tail import log10_tail, z_at
 from wm3d.stats.weights import checked_weights, norm
 
 DEFAULT_PF = 1e-6
@@ -102,6 +102,16 @@ class RademacherSum:
         """Return the log10 of the p-value of each z, times `tries`; the shape of `z`."""
         tail = log10_tail(self.b, np.asarray(z, dtype=np.float64))
         return np.minimum(0.0, tail + math.log10(self.tries))
+
+    def z_at(self, log10_pf: float) -> float:
+        """Return the least z whose p-value, times `tries`, is at most 10**log10_pf; ∞ where no key has it.
+
+        Raises
+        ------
+        Wm3dError
+            If log10_pf is not below 0.
+        """
+        return z_at(self.b, log10_pf - math.log10(self.tries))
 
     def _checked(self, signs: ArrayLike) -> FloatArray:
         w = np.asarray(signs, dtype=np.float64)

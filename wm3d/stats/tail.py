@@ -54,7 +54,8 @@ def log10_tail(b: ArrayLike, z: float | FloatArray) -> float | FloatArray:
       (:mod:`wm3d.stats.inversion`). The result lies between the tail at z and that at z − 0.0024 / max(z, 1):
       never below the truth, and 0.1 % above it where no atoms show;
     * beyond: :func:`saddlepoint_log10`, whose relative error is of order 1/n. It treats the sum as
-      continuous: where many weights share few values, it falls short by up to about half of P(sum = z).
+      continuous: where many weights share few values, it falls short, the farther out the more (400 weights
+      of 1 and 2: 0.67 of the truth at 1e-32, 0.53 at 1e-61).
 
     Ties count as exceedances; sums within 10⁻¹² of Σ|b| of each other are ties.
     """

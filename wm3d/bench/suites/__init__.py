@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wm3d.attacks import ATTACKS, Attack
 from wm3d.bench.yamlfile import read_yaml
-from wm3d.errors import Wm3dError, hint
+from wm3d.errors import Wm3dError, hint, shown
 
 FOLDER = Path(__file__).parent
 
@@ -28,7 +28,7 @@ def load_suite(name: str) -> tuple[Attack, ...]:
         If there is no such suite, or its file is damaged.
     """
     if name not in suite_names():
-        raise Wm3dError(f"no such suite; {hint(name, suite_names())}")
+        raise Wm3dError(f"there is no suite {shown(name)}; {hint(name, suite_names())}")
     document = read_yaml(FOLDER / f"{name}.yaml")
     if document.faults:
         raise Wm3dError(f"{document.path}: {document.faults[0][1]}")

@@ -40,7 +40,8 @@ LEAST_SIZE, MOST_SIZE = 0.4, 1.1
 """Bounds of the sizes that are come to."""
 
 PROBES, FEW_PROBES = 250, 64
-"""Points of the surface, about, by which the best and by which all places are compared."""
+"""Points of the surface by which the best and by which all places are compared: so many at least, where it
+has them, and less than twice as many."""
 
 
 class _Places(NamedTuple):
