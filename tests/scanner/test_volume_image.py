@@ -1,5 +1,7 @@
 """The volume image: solids whose cells are known, its numpy twin, and what must not change it."""
 
+import sys
+
 import numpy as np
 import pytest
 from shapes import blob, box, icosphere, inside_out, uv_cylinder
@@ -37,7 +39,9 @@ def of(posed: np.ndarray, faces: np.ndarray, outward: int = 1) -> VolumeImage:
 def finely(posed: np.ndarray, faces: np.ndarray, outward: int = 1) -> VolumeImage:
     """The image by eight times as many parts along a side, whose own error is far below that of `of`."""
     columns, rows = GRID
-    volumes, areas = kernels.deposit(posed, Mesh(posed, faces).faces, rows, columns, LOW, HEIGHT, 8.0)
+    volumes, areas, _ = kernels.deposit(
+        posed, Mesh(posed, faces).faces, rows, columns, LOW, HEIGHT, 8.0, sys.maxsize
+    )
     return VolumeImage(-outward * volumes, areas)
 
 
@@ -56,6 +60,27 @@ def test_image_adds_up_to_the_solid_and_its_surface(grid):
     assert image.areas.sum() == pytest.approx(surface_area(Mesh(posed, faces)), rel=1e-12)
     assert image.volumes.sum() > 0
     assert (image.areas >= 0).all()
+
+
+def test_faces_that_span_the_cylinder_are_read_at_no_more_points_than_time_allows(monkeypatch):
+    rng = np.random.default_rng(4)
+    soup, grid = Mesh(rng.uniform(-1.0, 1.0, (600, 3)), np.arange(600).reshape(200, 3)), (128, 96)
+    whole = volume_image(soup.vertices, soup.faces, grid, LOW, HEIGHT, 1)
+    points, deposit = [], kernels.deposit
+
+    def counted(*arguments):
+        dealt = deposit(*arguments)
+        points.append(dealt[-1])
+        return dealt
+
+    monkeypatch.setattr(kernels, "deposit", counted)
+    monkeypatch.setattr("wm3d.scanner.volume.image.MOST_POINTS", 40_000)
+    coarse = volume_image(soup.vertices, soup.faces, grid, LOW, HEIGHT, 1)
+    assert min(points[:2]) > 5 * 40_000
+    assert max(points[2:]) < 2 * 40_000
+    assert coarse.volumes.sum() == pytest.approx(whole.volumes.sum(), rel=1e-9)
+    assert coarse.areas.sum() == pytest.approx(surface_area(soup), rel=1e-9)
+    assert relative(coarse.areas, whole.areas) < 0.2
 
 
 @pytest.mark.parametrize("first", [0, 1, 2])

@@ -24,10 +24,20 @@ slivers there, with little in them."""
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def deposit(
-    posed: FloatArray, faces: IntArray, rows: int, columns: int, hmin: float, height: float, samples: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return ∮ φ (ρ/2) e_ρ·n dA and ∮ φ dA of each cell, (N_u, N_v), n by the winding and the right hand."""
-    flux, area = np.zeros((rows, columns)), np.zeros((rows, columns))
+    posed: FloatArray,
+    faces: IntArray,
+    rows: int,
+    columns: int,
+    hmin: float,
+    height: float,
+    samples: float,
+    most: int,
+) -> tuple[FloatArray, FloatArray, int]:
+    """Return ∮ φ (ρ/2) e_ρ·n dA and ∮ φ dA of each cell, (N_u, N_v), n by the winding and the right hand.
+
+    And how many points that takes: of those beyond `most` none is dealt, they are only counted.
+    """
+    flux, area, points = np.zeros((rows, columns)), np.zeros((rows, columns)), 0
     angles = _angles(posed)
     per_height, per_angle = rows / height, columns / (2.0 * math.pi)
     for f in range(len(faces)):
@@ -38,6 +48,9 @@ def deposit(
         if doubled == 0.0:
             continue
         parts = _parts(posed, a, b, c, per_height, per_angle, samples)
+        points += 3 * parts * parts
+        if points > most:
+            continue
         share = 1.0 / (3 * parts * parts)
         for i in range(parts):
             for k in range(2 * (parts - i) - 1):
@@ -46,7 +59,7 @@ def deposit(
                     x, y, u, v = _seen(posed, angles, a, edges, s, t, hmin, per_height, per_angle)
                     through = 0.25 * share * (x * n1 + y * n2)
                     _deal(flux, area, u, v, through, 0.5 * share * doubled)
-    return flux, area
+    return flux, area, points
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
