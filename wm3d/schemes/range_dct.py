@@ -27,7 +27,7 @@ TRIALS, TRIAL_NOISE = 3, 0.3
 """How often the mark of a symmetric solid must bear how much noise, in percent of the diagonal."""
 
 MOST_ALPHA = 32.0
-"""Bound of the strength: at 10 dB little of the mesh is left, and faces that span all of it take minutes."""
+"""Bound of the strength: at 10 dB little of the mesh is left."""
 
 
 class RangeDct(Scheme):
