@@ -1,5 +1,6 @@
 """Moments of a mesh: vertex mean and covariance, area, signed volume and its moments, orientation."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -98,6 +99,7 @@ def is_balanced(mesh: Mesh) -> bool:
     return bool(kernels.edge_sum(mesh.faces) == 0)
 
 
+@lru_cache(maxsize=1)  # who smooths a mesh asks for them, and so does its pose
 def volume_moments(mesh: Mesh) -> VolumeMoments:
     """Return volume, centroid and covariance of the enclosed solid of unit density.
 
