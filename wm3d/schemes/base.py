@@ -34,8 +34,8 @@ _XTOL = 1e-6  # of ln strength: a narrower bracket holds a jump
 _LEAST_GAIN = 0.01  # dB a dB of strength, below which more of it does nothing
 _SLOWEST = 0.2  # dB a dB of strength that a step reckons with: MSDM2 grows by about half
 _STEEPEST = 300.0  # dB a dB of strength, which no scheme gains
-_STEEPER = 1.5  # times what it gained last, which is no more to be hoped for where much is missing
-_MUCH = 1.0  # dB
+_STEEPER = 1.5  # times the last gain, or times 1: more is not hoped for where much is missing
+_MUCH = 1.0  # dB that are much
 _NEPERS = math.log(10) / 20  # ln strength a decibel, where moves are proportional to the strength
 
 
@@ -163,7 +163,8 @@ class Scheme(Component, ABC):
                     _bracketed(headroom, bracket, max(tolerance, BRACKETED))
                     break
             proposed = value + room * _NEPERS / min(max(gain, _SLOWEST), 1.0)
-            hoped = _STEEPEST if last is None or room < _MUCH else _STEEPER * gain
+            far = last is not None and len(bracket) == 1 and room > _MUCH
+            hoped = _STEEPER * max(gain, 1.0) if far else _STEEPEST
             if room * _NEPERS > hoped * (limit - value):
                 break  # out of reach
             value, last = proposed if proposed < limit else (value + limit) / 2, value
